@@ -1,0 +1,112 @@
+#pragma once
+// The only threads in hourglass. A stage is `parallel(threads, [&](Team& team) {...})`: every member runs
+// the body; rows are shared out by `team.rows(n)`, and `team.sync()` waits for the others. Row shares depend on
+// the number of rows and members only, and sums are taken row by row in a fixed order, so a result does not
+// depend on the number of threads.
+//
+// Why not OpenMP's own barrier: on a shared machine it spins for milliseconds while a neighbour holds the core
+// that the last thread needs. This one spins for a few microseconds and then sleeps in the kernel.
+#include <omp.h>
+
+#include <atomic>
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace hourglass {
+
+class Barrier {
+ public:
+  explicit Barrier(int members) : members_(members) {}
+  void wait() {
+    const int phase = phase_.load(std::memory_order_relaxed);
+    if (arrived_.fetch_add(1, std::memory_order_acq_rel) == members_ - 1) {
+      arrived_.store(0, std::memory_order_relaxed);
+      phase_.store(phase + 1, std::memory_order_release);
+      phase_.notify_all();
+      return;
+    }
+    for (int spin = 0; spin < 4000; ++spin) {
+      if (phase_.load(std::memory_order_acquire) != phase) return;
+#if defined(__x86_64__)
+      __builtin_ia32_pause();
+#endif
+    }
+    phase_.wait(phase, std::memory_order_acquire);
+  }
+
+ private:
+  alignas(64) std::atomic<int> arrived_{0};
+  alignas(64) std::atomic<int> phase_{0};
+  const int members_;
+};
+
+/// Rows [begin, end).
+struct Rows {
+  int begin, end;
+};
+
+class Team {
+ public:
+  Team() = default;  ///< one member, nothing to wait for
+  Team(int rank, int size, Barrier* barrier) : rank_(rank), size_(size), barrier_(barrier) {}
+
+  int rank() const { return rank_; }
+  int size() const { return size_; }
+  bool leads() const { return rank_ == 0; }
+  void sync() {
+    if (size_ > 1) barrier_->wait();
+  }
+  /// This member's share of rows 0 .. n-1.
+  Rows rows(int n) const {
+    return {static_cast<int>(static_cast<long>(n) * rank_ / size_),
+            static_cast<int>(static_cast<long>(n) * (rank_ + 1) / size_)};
+  }
+
+ private:
+  int rank_ = 0, size_ = 1;
+  Barrier* barrier_ = nullptr;
+};
+
+/// Runs body(Team&) on `threads` threads and returns when all are done. The body must not throw.
+template <class Body>
+void parallel(int threads, Body&& body) {
+  if (threads <= 1) {
+    Team alone;
+    body(alone);
+    return;
+  }
+  std::optional<Barrier> barrier;
+#pragma omp parallel num_threads(threads)
+  {
+    const int size = omp_get_num_threads();  // may be fewer than asked for, by a limit of the environment
+#pragma omp single
+    barrier.emplace(size);
+    Team team(omp_get_thread_num(), size, &*barrier);
+    body(team);
+  }
+}
+
+/// Partial results, one slot a row; reduced by every member alike, in row order.
+class RowSums {
+ public:
+  explicit RowSums(int rows = 0) : slots_(rows) {}
+  double& operator[](int row) { return slots_[row]; }
+  double sum() const {
+    double s = 0;
+    for (double x : slots_) s += x;
+    return s;
+  }
+  double max() const {
+    double m = 0;
+    for (double x : slots_) m = x > m || x != x ? x : m;  // a NaN stays visible
+    return m;
+  }
+  std::size_t bytes() const { return slots_.size() * sizeof(double); }
+
+ private:
+  std::vector<double> slots_;
+};
+
+}  // namespace hourglass

@@ -1,0 +1,127 @@
+#pragma once
+// A scene: what is to be solved, as plain structs with units and defaults. Files are io's business
+// (io/scene_yaml); the solver and its tests build a Scene in C++. Dimensions stand in brackets: L length,
+// T time, M mass per unit depth; any consistent system does (grain units: d = g = rho = 1, or SI).
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kernels/patch.hpp"
+
+namespace hourglass {
+
+enum class Units { grain, SI };
+enum class Side { left, right, bottom, top };
+/// What a side of the domain does where no orifice pierces it. `open`: p = 0 and no traction, flow in or out.
+/// `periodic` comes in the pair left, right.
+enum class Wall { no_slip, free_slip, open, periodic };
+enum class Law { mu_I, newtonian };
+/// Mean that takes the viscosity from the four cells around a corner to the corner.
+enum class CornerMean { harmonic, arithmetic };
+/// Weight of the shear at a corner where a wall ends and an orifice begins, in units of a free corner's
+/// (a full wall corner has 2): numerics P2, cases c0, c2, c4.
+enum class EdgeRule { half_wall, free, wall };
+/// Pressure at the start: zero lets an orifice flow at once (numerics P1); hydrostatic holds a closed tank still.
+enum class StartPressure { zero, hydrostatic };
+/// Precision inside the preconditioner and the Krylov directions; unknowns and residuals are always double.
+enum class Precision { mixed, full };
+
+struct Material {
+  std::string name = "sand";
+  double mu_s = 0.62;       ///< static friction [1] >= 0
+  double delta_mu = 0.48;   ///< mu at I -> infinity less mu_s [1] >= 0
+  double I_0 = 0.6;         ///< [1] > 0
+  double diameter = 1;      ///< grain diameter [L] > 0
+  double density = 1;       ///< bulk density at rest [M/L^2] > 0
+  double viscosity = 0;     ///< only for law newtonian: eta [M/T] > 0
+};
+
+/// A box or a polygon painted with a material; later ones paint over earlier ones.
+struct Fill {
+  int material = 0;                          ///< index into Scene::materials; -1 paints air
+  std::vector<std::array<double, 2>> points; ///< corners in order [L]; convex
+};
+
+struct Orifice {
+  Side wall = Side::bottom;
+  double centre = 75;    ///< along the wall [L]
+  double width = 18.75;  ///< [L] > 0; both ends on cell edges
+};
+
+struct Air {
+  double density = 1e-3;       ///< [M/L^2] > 0
+  double viscosity = 0.0164;   ///< eta [M/T] > 0
+};
+
+struct Rheology {
+  Law law = Law::mu_I;
+  double eta_min = 1;              ///< floor of the grains' viscosity [M/T]; rho d sqrt(g d)
+  double eta_max = 1.643e6;        ///< cap, taken at rest [M/T]
+  double smoothing_length = 1;     ///< the shear rate is smoothed over this [L]; 0: not at all
+  CornerMean corner_mean = CornerMean::harmonic;
+  EdgeRule orifice_edge = EdgeRule::half_wall;
+  double background_pressure = 0;  ///< added to p in mu(I) and I [M/T^2]; for verification flows
+};
+
+struct TimeControl {
+  double end = 0;         ///< [T]; 0: no limit by time
+  double cfl = 0.5;       ///< max |u| dt / h near grains, in (0, 0.5]
+  double dt_max = 0.0548; ///< [T] > 0
+  long max_steps = 0;     ///< 0: no limit by steps
+};
+
+struct Stop {
+  std::optional<double> mass_below;        ///< fraction of the initial grain mass
+  std::optional<double> steady_discharge;  ///< relative change of the discharge rate over its own window
+};
+
+/// The levers that trade speed for accuracy; `accuracy:` in a scene file.
+struct Accuracy {
+  double viscous_tolerance = 1e-3;   ///< energy norm of the error over that of the flow
+  double pressure_tolerance = 1e-6;  ///< max |div u| dt
+  int max_iterations = 200;
+  Precision precision = Precision::mixed;
+};
+
+struct Output {
+  double series_every = 0.27;    ///< [T]
+  double fields_every = 5.48;    ///< [T]; 0: none
+  double snapshots_every = 5.48; ///< [T]; 0: none
+  std::vector<std::string> fields{"speed", "pressure", "tracer"};
+};
+
+struct Scene {
+  std::string name = "silo";
+  Units units = Units::grain;
+  double width = 150, height = 150;  ///< [L]
+  int cells_x = 128;                 ///< square cells: cells_y = cells_x height / width
+  std::array<double, 2> gravity{0, -1};  ///< [L/T^2]
+  Air air;
+  std::vector<Material> materials{Material{}};
+  std::vector<Fill> fill;
+  std::array<Wall, 4> walls{Wall::no_slip, Wall::no_slip, Wall::no_slip, Wall::open};  ///< by Side
+  std::vector<Orifice> orifices;
+  Rheology rheology;
+  TimeControl time;
+  Stop stop;
+  Accuracy accuracy;
+  Output output;
+  StartPressure start_pressure = StartPressure::zero;
+  int threads = 0;  ///< 0: as many as there are cores to run on
+
+  Wall wall(Side s) const { return walls[static_cast<int>(s)]; }
+  Patch patch() const;  ///< the whole domain; cells_y rounded
+};
+
+/// A thing wrong with a scene: the dotted path of the key, what is wrong with allowed range and cure.
+struct Problem {
+  std::string path;     ///< e.g. "materials.sand.mu_s", "orifices.0.width"
+  std::string message;  ///< e.g. "-0.1 is out of range: must be >= 0; ..."
+  bool fatal = true;    ///< false: a warning, the scene runs all the same
+};
+
+/// Everything that is wrong or doubtful, all at once; empty for a clean scene. Reads no files.
+std::vector<Problem> check(const Scene& scene);
+
+}  // namespace hourglass

@@ -1,0 +1,120 @@
+#pragma once
+// One scene from start to end: chooses dt, steps, diagnoses, tells observers, stops.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "solver/fields.hpp"
+#include "solver/scene.hpp"
+#include "solver/solve_stats.hpp"
+
+namespace hourglass {
+
+/// What limited the time step.
+enum class DtLimit { dt_max, cfl, cfl_air, gravity, growth, output };
+const char* name_of(DtLimit limit);
+
+struct StepReport {
+  long step = 0;
+  double t = 0, dt = 0;  ///< time at the end of the step; its length [T]
+  DtLimit limit = DtLimit::dt_max;
+  SolveStats pressure, viscous;
+  double max_divergence = 0;  ///< max |div u| dt [1]
+  double max_speed = 0;       ///< grains and air [L/T]
+  long capped_cells = 0;      ///< grain cells at eta_max
+  long floored_cells = 0;     ///< grain cells at eta_min
+};
+
+/// A row of series.csv.
+struct SeriesRow {
+  StepReport step;
+  double mass = 0;                       ///< grains in the domain [M per unit depth]
+  double outflow = 0;                    ///< flux of grains through all orifices [M/T], mean since the last row
+  std::vector<double> orifice_outflow;   ///< the same by orifice
+  std::vector<double> material_mass;     ///< by material [M]
+  std::vector<double> material_outflow;  ///< through all orifices, by material [M/T]
+  double quasi_static_fraction = 0;      ///< grain volume slower than 1e-3 sqrt(g d), over all grain volume
+  double max_speed = 0;                  ///< of grains [L/T]
+  double wall_seconds = 0;
+};
+
+enum class Status { finished, stopped, diverged, interrupted };
+const char* name_of(Status status);
+
+/// What summary.json holds of the physics; provenance is io's business.
+struct Summary {
+  Status status = Status::finished;
+  std::string reason;
+  double discharge_rate = 0;         ///< least-squares slope of mass over time, start-up left out [M/T]
+  double discharge_constant = 0;     ///< discharge_rate / (rho sqrt(g) W^1.5), W the sum of widths
+  double discharge_window[2] = {0, 0};  ///< the times that the slope was taken over [T]
+  double quasi_static_fraction = 0;  ///< at the end of that window
+  double mass_error = 0;             ///< |grain loss - integrated outflow| / initial mass
+  double worst_max_divergence = 0;
+  long missed_tolerances = 0;
+  long steps = 0, cells = 0;
+  double wall_seconds = 0;           ///< stepping only
+  double cell_steps_per_second = 0;
+  int threads = 1;
+  std::vector<std::pair<std::string, double>> stages;  ///< seconds by stage
+  std::vector<std::string> warnings;                   ///< guards that spoke, e.g. an open orifice that does not flow
+};
+
+/// Told of what happens; io's writers are observers. `t` of the simulation is the time of what is shown.
+class Simulation;
+class Observer {
+ public:
+  virtual ~Observer() = default;
+  virtual void on_series(const SeriesRow&) {}
+  virtual void on_fields(const Simulation&) {}
+  virtual void on_snapshot(const Simulation&) {}
+  virtual void on_step(const StepReport&, double /*fraction_done*/) {}
+  virtual void on_warning(const std::string&) {}
+  /// Asked after every step; a non-empty answer interrupts the run with that reason.
+  virtual std::string interrupt() { return {}; }
+};
+
+class Simulation {
+ public:
+  /// Allocates everything and fills the domain. The scene must be free of fatal problems (check()).
+  explicit Simulation(const Scene& scene);
+  ~Simulation();
+
+  /// One time step, not past `t_limit`.
+  StepReport step(double t_limit = 1e300);
+  /// Steps to the end of the scene, telling the observers.
+  Summary run(const std::vector<Observer*>& observers = {});
+
+  const Scene& scene() const;
+  const Fields& fields() const;
+  Fields& fields();  ///< for initial conditions and verification flows
+  double t() const;
+  double grain_mass() const;
+  std::vector<double> material_mass() const;
+  double quasi_static_fraction() const;
+  /// Grains through each orifice since the start, outward positive, integrated at the faces [M].
+  const std::vector<double>& orifice_mass() const;
+  /// Derived cell fields by the names of `output.fields`: speed, velocity_x, velocity_y, pressure, grains, tracer,
+  /// viscosity, shear_rate, inertial_number. Unknown name: std::invalid_argument.
+  CellField derived(const std::string& name) const;
+  std::vector<std::pair<std::string, std::size_t>> memory() const;  ///< bytes by array group
+
+  struct Impl;
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+/// One projection of random noise with the scene's own boundaries: what `hourglass check` runs.
+SolveStats project_noise(const Scene& scene);
+
+/// The names that output.fields and render accept, with unit dimension and description.
+struct FieldInfo {
+  const char* name;
+  const char* dimension;  ///< of "L", "T", "M": e.g. "L/T"
+  const char* label;
+  bool logarithmic;       ///< pictures use a log colour scale
+};
+const std::vector<FieldInfo>& known_fields();
+
+}  // namespace hourglass
