@@ -1,0 +1,49 @@
+#pragma once
+// The folder that a run leaves behind: scene.yaml, run.log, series.csv, fields.h5 + fields.xdmf, snapshots/ and
+// summary.json (docs/output.md). Every file is complete up to the last row or frame at any time.
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "solver/simulation.hpp"
+
+namespace hourglass {
+
+struct RunOptions {
+  std::filesystem::path out;  ///< empty: runs/<name of the scene>
+  bool force = false;         ///< replace an earlier run in the same folder
+  bool quiet = false;         ///< no progress on standard output
+};
+
+/// Where a run of this scene goes by default: runs/<name>, with characters that could leave `runs` replaced.
+std::filesystem::path default_run_folder(const std::string& scene_name);
+
+/// Writes and draws what Simulation::run tells it.
+class RunFolder : public Observer {
+ public:
+  /// Makes the folder, writes scene.yaml and the head of run.log. Throws std::invalid_argument, having written
+  /// nothing, if the folder holds files of a run and `force` is off, or files that no run wrote stand in the
+  /// way. `force` removes only what a run of hourglass wrote. Throws std::runtime_error if writing fails.
+  RunFolder(const Scene& scene, const std::string& resolved_yaml, const RunOptions& options,
+            const std::vector<std::string>& warnings = {});
+  ~RunFolder() override;
+
+  // All throw std::runtime_error with path and reason if writing fails; earlier rows and frames stay intact.
+  void on_series(const SeriesRow& row) override;
+  void on_fields(const Simulation& simulation) override;
+  void on_snapshot(const Simulation& simulation) override;
+  void on_step(const StepReport& report, double fraction_done) override;
+  void on_warning(const std::string& warning) override;
+
+  /// Ends the progress line and writes summary.json.
+  void finish(const Summary& summary);
+
+  const std::filesystem::path& path() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace hourglass
