@@ -11,21 +11,30 @@
 
 namespace hourglass {
 
+// Each enum is followed by the words that scene files and messages use for it, in its order.
 enum class Units { grain, SI };
+inline constexpr std::array units_names{"grain", "SI"};
 enum class Side { left, right, bottom, top };
+inline constexpr std::array side_names{"left", "right", "bottom", "top"};
 /// What a side of the domain does where no orifice pierces it. `open`: p = 0 and no traction, flow in or out.
 /// `periodic` comes in the pair left, right.
 enum class Wall { no_slip, free_slip, open, periodic };
+inline constexpr std::array wall_names{"no_slip", "free_slip", "open", "periodic"};
 enum class Law { mu_I, newtonian };
+inline constexpr std::array law_names{"mu_I", "newtonian"};
 /// Mean that takes the viscosity from the four cells around a corner to the corner.
 enum class CornerMean { harmonic, arithmetic };
+inline constexpr std::array corner_mean_names{"harmonic", "arithmetic"};
 /// Weight of the shear at a corner where a wall ends and an orifice begins, in units of a free corner's
 /// (a full wall corner has 2): numerics P2, cases c0, c2, c4.
 enum class EdgeRule { half_wall, free, wall };
+inline constexpr std::array edge_rule_names{"half_wall", "free", "wall"};
 /// Pressure at the start: zero lets an orifice flow at once (numerics P1); hydrostatic holds a closed tank still.
 enum class StartPressure { zero, hydrostatic };
+inline constexpr std::array start_pressure_names{"zero", "hydrostatic"};
 /// Precision inside the preconditioner and the Krylov directions; unknowns and residuals are always double.
 enum class Precision { mixed, full };
+inline constexpr std::array precision_names{"mixed", "full"};
 
 struct Material {
   std::string name = "sand";
@@ -35,23 +44,27 @@ struct Material {
   double diameter = 1;      ///< grain diameter [L] > 0
   double density = 1;       ///< bulk density at rest [M/L^2] > 0
   double viscosity = 0;     ///< only for law newtonian: eta [M/T] > 0
+  bool operator==(const Material&) const = default;
 };
 
 /// A box or a polygon painted with a material; later ones paint over earlier ones.
 struct Fill {
   int material = 0;                          ///< index into Scene::materials; -1 paints air
   std::vector<std::array<double, 2>> points; ///< corners in order [L]; convex
+  bool operator==(const Fill&) const = default;
 };
 
 struct Orifice {
   Side wall = Side::bottom;
   double centre = 75;    ///< along the wall [L]
   double width = 18.75;  ///< [L] > 0; both ends on cell edges
+  bool operator==(const Orifice&) const = default;
 };
 
 struct Air {
   double density = 1e-3;       ///< [M/L^2] > 0
   double viscosity = 0.0164;   ///< eta [M/T] > 0
+  bool operator==(const Air&) const = default;
 };
 
 struct Rheology {
@@ -62,6 +75,7 @@ struct Rheology {
   CornerMean corner_mean = CornerMean::harmonic;
   EdgeRule orifice_edge = EdgeRule::half_wall;
   double background_pressure = 0;  ///< added to p in mu(I) and I [M/T^2]; for verification flows
+  bool operator==(const Rheology&) const = default;
 };
 
 struct TimeControl {
@@ -69,11 +83,13 @@ struct TimeControl {
   double cfl = 0.5;       ///< max |u| dt / h near grains, in (0, 0.5]
   double dt_max = 0.0548; ///< [T] > 0
   long max_steps = 0;     ///< 0: no limit by steps
+  bool operator==(const TimeControl&) const = default;
 };
 
 struct Stop {
   std::optional<double> mass_below;        ///< fraction of the initial grain mass
   std::optional<double> steady_discharge;  ///< relative change of the discharge rate over its own window
+  bool operator==(const Stop&) const = default;
 };
 
 /// The levers that trade speed for accuracy; `accuracy:` in a scene file.
@@ -82,6 +98,7 @@ struct Accuracy {
   double pressure_tolerance = 1e-6;  ///< max |div u| dt
   int max_iterations = 200;
   Precision precision = Precision::mixed;
+  bool operator==(const Accuracy&) const = default;
 };
 
 struct Output {
@@ -89,6 +106,7 @@ struct Output {
   double fields_every = 5.48;    ///< [T]; 0: none
   double snapshots_every = 5.48; ///< [T]; 0: none
   std::vector<std::string> fields{"speed", "pressure", "tracer"};
+  bool operator==(const Output&) const = default;
 };
 
 struct Scene {
@@ -112,7 +130,23 @@ struct Scene {
 
   Wall wall(Side s) const { return walls[static_cast<int>(s)]; }
   Patch patch() const;  ///< the whole domain; cells_y rounded
+  bool operator==(const Scene&) const = default;
 };
+
+/// What dimensional defaults are multiples of, from the first material and g = |gravity|. A default above is the
+/// multiple itself, which is right as it stands in grain units.
+struct Scales {
+  double length = 1;     ///< d [L]
+  double time = 1;       ///< sqrt(d/g) [T]
+  double density = 1;    ///< rho [M/L^2]
+  double viscosity = 1;  ///< rho sqrt(g d^3) [M/T]
+};
+Scales scales(const Scene& scene);
+
+/// The inertial numbers [low, high] between which the mu(I) equations of a material are well posed; nullopt if
+/// there are none. Barker, Schaeffer, Bohorquez & Gray 2015, JFM 779:794: C = 4 nu^2 - 4 nu + mu^2 (1 - nu/2)^2
+/// <= 0 with nu = I mu'(I) / mu.
+std::optional<std::array<double, 2>> well_posed_range(const Material& material);
 
 /// A thing wrong with a scene: the dotted path of the key, what is wrong with allowed range and cure.
 struct Problem {

@@ -1,0 +1,478 @@
+#include "solver/scene.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "solver/simulation.hpp"
+
+namespace hourglass {
+
+Patch Scene::patch() const {
+  const double h = width / cells_x;
+  return {cells_x, static_cast<int>(std::lround(height / h)), h, 0, 0};
+}
+
+Scales scales(const Scene& scene) {
+  const Material grain = scene.materials.empty() ? Material{} : scene.materials.front();
+  const double d = grain.diameter, rho = grain.density;
+  const double g = std::hypot(scene.gravity[0], scene.gravity[1]);
+  return {d, std::sqrt(d / g), rho, rho * std::sqrt(g * d * d * d)};
+}
+
+std::optional<std::array<double, 2>> well_posed_range(const Material& m) {
+  const auto is_well_posed = [&](double log_I) {
+    const double I = std::exp(log_I), sum = m.I_0 + I;
+    const double mu = m.mu_s + m.delta_mu * I / sum;
+    const double nu = I * m.delta_mu * m.I_0 / (sum * sum) / mu;
+    return 4 * nu * nu - 4 * nu + mu * mu * (1 - nu / 2) * (1 - nu / 2) <= 0;
+  };
+  const auto edge = [&](double outside, double inside) {  // by bisection
+    for (int k = 0; k < 60; ++k) {
+      const double middle = 0.5 * (outside + inside);
+      (is_well_posed(middle) ? inside : outside) = middle;
+    }
+    return std::exp(inside);
+  };
+  const double first = std::log(1e-9 * m.I_0), last = std::log(1e6 * m.I_0);
+  const int points = 4000;
+  const auto log_I = [&](int k) { return first + (last - first) * k / points; };
+  int low = 0, high = points;
+  while (low <= points && !is_well_posed(log_I(low))) ++low;
+  if (low > points) return std::nullopt;
+  while (!is_well_posed(log_I(high))) --high;
+  return std::array{low == 0 ? 0.0 : edge(log_I(low - 1), log_I(low)),
+                    high == points ? INFINITY : edge(log_I(high + 1), log_I(high))};
+}
+
+namespace {
+
+constexpr double bytes_per_cell = 600;    // of everything that a run allocates, about
+constexpr long coarsest_cells = 32 * 32;  // the multigrid solves its coarsest level directly
+constexpr double edge_tolerance = 1e-6;   // in cells: what still counts as on a cell edge
+
+class Problems {
+ public:
+  void error(std::string path, std::string message) {
+    list.push_back({std::move(path), std::move(message), true});
+  }
+  void warn(std::string path, std::string message) {
+    list.push_back({std::move(path), std::move(message), false});
+  }
+  /// A number that must be finite and `ok`; says whether it is.
+  bool require(bool ok, const std::string& path, double value, std::string_view allowed,
+               std::string_view cure = "") {
+    if (ok && std::isfinite(value)) return true;
+    error(path,
+          fmt::format("{} is out of range (must be {}).{}{}", value, allowed, cure.empty() ? "" : " ", cure));
+    return false;
+  }
+
+  std::vector<Problem> list;
+};
+
+bool is_whole(double x) { return std::abs(x - std::round(x)) <= edge_tolerance; }
+
+double along(const Scene& s, Side side) {
+  return side == Side::left || side == Side::right ? s.height : s.width;
+}
+
+/// The multigrid's coarsest grid (solver/multigrid.hpp).
+std::array<int, 2> coarsest(int nx, int ny) {
+  while (nx % 2 == 0 && ny % 2 == 0 && nx >= 4 && ny >= 4) nx /= 2, ny /= 2;
+  return {nx, ny};
+}
+
+bool coarsens(int nx, int ny) {
+  const auto [cx, cy] = coarsest(nx, ny);
+  return static_cast<long>(cx) * cy <= coarsest_cells;
+}
+
+/// Whether this count gives a whole height, coarsens, and puts all ends of orifices on cell edges.
+bool suits(const Scene& s, int cells_x, bool with_orifices) {
+  const double h = s.width / cells_x, cells_y = s.height / h;
+  if (cells_x < 2 || cells_y < 2 || cells_y > 1e6 || !is_whole(cells_y)) return false;
+  if (!coarsens(cells_x, static_cast<int>(std::lround(cells_y)))) return false;
+  return !with_orifices || std::all_of(s.orifices.begin(), s.orifices.end(), [&](const Orifice& o) {
+    return is_whole((o.centre - o.width / 2) / h) && is_whole((o.centre + o.width / 2) / h);
+  });
+}
+
+/// The first count that suits from `start` on, in steps of +1 or -1; 0 if there is none near.
+int nearest_count(const Scene& s, int start, int step) {
+  for (const bool with_orifices : {true, false})
+    for (int n = start; n >= 2 && std::abs(n - start) < 4096; n += step)
+      if (suits(s, n, with_orifices)) return n;
+  return 0;
+}
+
+/// The cure for a grid that does not come out: counts next to the present one, else heights.
+std::string better_grid(const Scene& s, double cells_y) {
+  std::string cure;
+  const auto offer = [&](const std::string& word) { cure += (cure.empty() ? "Use " : " or ") + word; };
+  for (const int step : {-1, +1})
+    if (const int n = nearest_count(s, s.cells_x + step, step)) offer(fmt::format("cells_x {}", n));
+  for (const int step : {-1, +1}) {
+    int ny = static_cast<int>(step < 0 ? std::floor(cells_y) : std::ceil(cells_y));
+    while (ny > 1 && std::abs(ny - cells_y) < 0.1 * cells_y + 1 && !coarsens(s.cells_x, ny)) ny += step;
+    if (ny > 1 && coarsens(s.cells_x, ny)) offer(fmt::format("height {:.12g}", ny * s.width / s.cells_x));
+  }
+  return cure.empty() ? "Choose a height with a simple ratio to the width." : cure + ".";
+}
+
+/// Whether the grid is sound enough for checks that need cells.
+bool check_domain(const Scene& s, Problems& p) {
+  bool sound = p.require(s.width > 0, "domain.width", s.width, "> 0");
+  sound &= p.require(s.height > 0, "domain.height", s.height, "> 0");
+  sound &= p.require(s.cells_x >= 2, "grid.cells_x", s.cells_x, ">= 2");
+  for (const double g : s.gravity)
+    if (!std::isfinite(g)) p.error("gravity", fmt::format("{} is not finite.", g));
+  if (!sound) return false;
+
+  const double h = s.width / s.cells_x, cells_y = s.height / h;
+  const double bytes = bytes_per_cell * s.cells_x * cells_y;
+  const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE);
+  if (bytes > memory) {
+    const int fitting = static_cast<int>(std::min(1e6, s.cells_x * std::sqrt(memory / bytes)));
+    const int best = nearest_count(s, fitting, -1);
+    p.error(
+        "grid.cells_x",
+        fmt::format("{} x {:.0f} cells need about {:.3g} GB ({} bytes a cell); this machine has "
+                    "{:.3g} GB. Use cells_x <= {}.",
+                    s.cells_x, cells_y, bytes * 1e-9, bytes_per_cell, memory * 1e-9, best ? best : fitting));
+    return false;
+  }
+  if (!is_whole(cells_y) || cells_y < 1.5) {
+    p.error("domain.height",
+            fmt::format(
+                "{} is {:.6g} cells of side {:.6g} (the height must come out whole, at least 2 cells). {}",
+                s.height, cells_y, h, better_grid(s, cells_y)));
+    return false;
+  }
+  const int ny = static_cast<int>(std::lround(cells_y));
+  if (!coarsens(s.cells_x, ny)) {
+    const auto [cx, cy] = coarsest(s.cells_x, ny);
+    p.error(
+        "grid.cells_x",
+        fmt::format("{} x {} cells can be halved only to {} x {} (multigrid must come down to {} cells or "
+                    "fewer). {}",
+                    s.cells_x, ny, cx, cy, coarsest_cells, better_grid(s, cells_y)));
+  }
+  return true;
+}
+
+void check_well_posed(const Scene& s, const Material& m, const std::string& path, Problems& p) {
+  if (m.delta_mu == 0)
+    p.warn(path + ".delta_mu",
+           m.mu_s == 0 ? "with mu_s = 0 too these grains have no friction at all."
+                       : "0 makes the friction constant: this is Coulomb, without rate dependence.");
+  if (m.mu_s == 0 && m.delta_mu == 0) return;
+  if (well_posed_range(m)) return;
+  const std::string cause = fmt::format(
+      "mu(I) with mu_s = {}, delta_mu = {} is ill-posed at every I (Barker et al. "
+      "2015): short waves grow with the number of steps.",
+      m.mu_s, m.delta_mu);
+  p.warn(
+      path,
+      s.rheology.smoothing_length > 0
+          ? fmt::format("{} physics.rheology.smoothing_length = {} is what keeps the run independent of the "
+                        "step.",
+                        cause, s.rheology.smoothing_length)
+          : cause +
+                " With physics.rheology.smoothing_length = 0 nothing holds them: static zones, pressures "
+                "and patterns will depend on grid and step. Use one grain diameter.");
+}
+
+void check_materials(const Scene& s, Problems& p) {
+  if (s.materials.empty())
+    p.error("materials",
+            "there is no material (at least one). "
+            "Add e.g. sand: {mu_s: 0.62, delta_mu: 0.48, I_0: 0.6, diameter: 1, density: 1}.");
+  for (std::size_t k = 0; k < s.materials.size(); ++k) {
+    const Material& m = s.materials[k];
+    const std::string path = "materials." + m.name;
+    const bool plain = !m.name.empty() && std::all_of(m.name.begin(), m.name.end(), [](unsigned char c) {
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+    });
+    if (!plain || (m.name[0] >= '0' && m.name[0] <= '9') || m.name == "air")
+      p.error(path,
+              fmt::format("'{}' cannot name a material (letters, digits and _, a letter first; not 'air'). "
+                          "Its name heads columns of series.csv.",
+                          m.name));
+    for (std::size_t other = 0; other < k; ++other)
+      if (s.materials[other].name == m.name) p.error(path, "two materials have this name. Rename one.");
+    bool sound = p.require(m.mu_s >= 0, path + ".mu_s", m.mu_s, ">= 0",
+                           "Sand has about 0.4 to 0.6, glass beads 0.38.");
+    sound &=
+        p.require(m.delta_mu >= 0, path + ".delta_mu", m.delta_mu, ">= 0", "Glass beads have about 0.26.");
+    sound &= p.require(m.I_0 > 0, path + ".I_0", m.I_0, "> 0", "Glass beads have about 0.28.");
+    p.require(m.diameter > 0, path + ".diameter", m.diameter, "> 0", "It is 1 in grain units.");
+    p.require(m.density > 0, path + ".density", m.density, "> 0", "It is 1 in grain units.");
+    if (s.rheology.law == Law::newtonian) {
+      p.require(m.viscosity > 0, path + ".viscosity", m.viscosity, "> 0",
+                "Law newtonian takes it from here.");
+    } else {
+      if (m.viscosity != 0) p.warn(path + ".viscosity", "is not used: only law newtonian reads it.");
+      if (sound) check_well_posed(s, m, path, p);
+    }
+  }
+  const bool air =
+      p.require(s.air.density > 0, "air.density", s.air.density, "> 0", "Use 1e-3 of the grains' density.");
+  p.require(s.air.viscosity > 0, "air.viscosity", s.air.viscosity, "> 0");
+  if (air && !s.materials.empty() && s.air.density >= s.materials[0].density)
+    p.warn("air.density",
+           fmt::format("{} is not below the grains' density {}.", s.air.density, s.materials[0].density));
+}
+
+/// Twice the area, positive for corners in counterclockwise order.
+double twice_area(const std::vector<std::array<double, 2>>& points) {
+  double sum = 0;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const auto [ax, ay] = points[k];
+    const auto [bx, by] = points[(k + 1) % points.size()];
+    sum += (ax - points[0][0]) * (by - points[0][1]) - (bx - points[0][0]) * (ay - points[0][1]);
+  }
+  return sum;
+}
+
+/// Corners turn one way only, and once around.
+bool is_convex(const std::vector<std::array<double, 2>>& points) {
+  const std::size_t n = points.size();
+  double turned = 0, sense = twice_area(points) > 0 ? 1 : -1;
+  for (std::size_t k = 0; k < n; ++k) {
+    const auto [ax, ay] = points[k];
+    const auto [bx, by] = points[(k + 1) % n];
+    const auto [cx, cy] = points[(k + 2) % n];
+    const double ux = bx - ax, uy = by - ay, vx = cx - bx, vy = cy - by;
+    const double angle = sense * std::atan2(ux * vy - uy * vx, ux * vx + uy * vy);
+    if (angle < -1e-9) return false;
+    turned += angle;
+  }
+  return std::abs(turned - 2 * M_PI) < 1e-6;
+}
+
+bool contains(const Fill& fill, double x, double y) {
+  const double sense = twice_area(fill.points) > 0 ? 1 : -1;
+  for (std::size_t k = 0; k < fill.points.size(); ++k) {
+    const auto [ax, ay] = fill.points[k];
+    const auto [bx, by] = fill.points[(k + 1) % fill.points.size()];
+    if (sense * ((bx - ax) * (y - ay) - (by - ay) * (x - ax)) < 0) return false;
+  }
+  return true;
+}
+
+/// Whether any cell's centre ends up painted with grains.
+bool has_grains(const Scene& s) {
+  const Patch patch = s.patch();
+  for (int j = 0; j < patch.ny; ++j)
+    for (int i = 0; i < patch.nx; ++i)
+      for (auto fill = s.fill.rbegin(); fill != s.fill.rend(); ++fill)
+        if (contains(*fill, patch.x_centre(i), patch.y_centre(j))) {
+          if (fill->material >= 0) return true;
+          break;
+        }
+  return false;
+}
+
+void check_fill(const Scene& s, bool domain_sound, Problems& p) {
+  bool sound = domain_sound, outside = false;
+  const int materials = static_cast<int>(s.materials.size());
+  for (std::size_t k = 0; k < s.fill.size(); ++k) {
+    const Fill& f = s.fill[k];
+    const std::string path = fmt::format("fill.{}", k);
+    const std::size_t before = p.list.size();
+    if (f.material < -1 || f.material >= materials)
+      p.error(path + ".material",
+              fmt::format("there is no material {} (-1 for air, below {}).", f.material, materials));
+    const bool finite = std::all_of(f.points.begin(), f.points.end(),
+                                    [](const auto& a) { return std::isfinite(a[0]) && std::isfinite(a[1]); });
+    if (f.points.size() < 3 || f.points.size() > 1000)
+      p.error(path, fmt::format("has {} corners (3 to 1000).", f.points.size()));
+    else if (!finite)
+      p.error(path, "has a corner that is not finite.");
+    else if (twice_area(f.points) == 0)
+      p.error(path, "encloses no area. Move its corners apart.");
+    else if (!is_convex(f.points))
+      p.error(path, "is not convex, or its corners are not in order around it. Split it into convex fills.");
+    sound &= p.list.size() == before;
+    if (!sound) continue;
+    const auto beyond = [&](int axis, double length) {
+      const auto less = [axis](const auto& a, const auto& b) { return a[axis] < b[axis]; };
+      const auto [low, high] = std::minmax_element(f.points.begin(), f.points.end(), less);
+      return (*high)[axis] <= 0 || (*low)[axis] >= length;
+    };
+    if (beyond(0, s.width) || beyond(1, s.height)) {
+      p.warn(path, fmt::format("lies outside the domain (x 0 to {}, y 0 to {}): it paints nothing.", s.width,
+                               s.height));
+      outside = true;
+    }
+  }
+  if (s.fill.empty())
+    p.error("fill",
+            "there is no fill (at least one with grains). Add e.g. - {material: sand, box: {x: [0, 150], "
+            "y: [0, 135]}}.");
+  else if (sound && materials > 0 && !has_grains(s))
+    p.error(
+        "fill",
+        fmt::format("puts no grains into the domain (x 0 to {}, y 0 to {}). {}", s.width, s.height,
+                    outside ? "Move the fills inside." : "Check that air does not paint over all of them."));
+}
+
+void check_orifice(const Scene& s, std::size_t k, Problems& p) {
+  const Orifice& o = s.orifices[k];
+  const std::string path = fmt::format("orifices.{}", k), wall = side_names[static_cast<int>(o.wall)];
+  const double h = s.width / s.cells_x, length = along(s, o.wall), tolerance = edge_tolerance * h;
+  const double low = o.centre - o.width / 2, high = o.centre + o.width / 2, cells = o.width / h;
+  const auto count_for = [&](double wanted) {  // cells_x that makes the neck this many cells wide
+    const double least = wanted * s.width / o.width;
+    if (least > 1e6) return std::string("a wider orifice");
+    const int n = nearest_count(s, static_cast<int>(std::ceil(least - 1e-9)), +1);
+    return fmt::format("cells_x >= {}", n ? n : static_cast<int>(std::ceil(least)));
+  };
+  if (s.wall(o.wall) == Wall::open || s.wall(o.wall) == Wall::periodic)
+    p.error(path + ".wall",
+            fmt::format("the {} wall is {} and cannot have an orifice (only no_slip or free_slip). "
+                        "Remove the orifice, or make walls.{} no_slip.",
+                        wall, wall_names[static_cast<int>(s.wall(o.wall))], wall));
+  for (std::size_t other = 0; other < k; ++other) {
+    const Orifice& q = s.orifices[other];
+    const double gap = std::abs(o.centre - q.centre) - (o.width + q.width) / 2;
+    if (q.wall == o.wall && gap < -tolerance)
+      p.error(
+          path + ".centre",
+          fmt::format("overlaps orifice {} by {:.6g}. Move them apart; touching is allowed.", other, -gap));
+  }
+  if (low < -tolerance || high > length + tolerance) {
+    p.error(path + ".centre",
+            o.width > length
+                ? fmt::format("the orifice is wider ({}) than the {} wall ({}).", o.width, wall, length)
+                : fmt::format(
+                      "the orifice reaches from {:.6g} to {:.6g}, beyond the {} wall (0 to {}). Use a centre "
+                      "from {:.12g} to {:.12g}.",
+                      low, high, wall, length, o.width / 2, length - o.width / 2));
+  } else if (cells < 2 - edge_tolerance) {
+    p.error(path + ".width", fmt::format("the neck is {:.3g} cells wide (must be at least 2; use >= 8: {}).",
+                                         cells, count_for(8)));
+  } else if (!is_whole(low / h) || !is_whole(high / h)) {
+    const double a = std::round(low / h) * h, b = std::max(std::round(high / h), std::round(low / h) + 2) * h;
+    p.error(path, fmt::format(
+                      "its ends, {:.6g} and {:.6g}, are not on cell edges (multiples of {:.6g}). Use centre "
+                      "{:.12g} and width {:.12g}.",
+                      low, high, h, (a + b) / 2, b - a));
+  } else if (cells < 8 - edge_tolerance) {
+    p.warn(path + ".width", fmt::format("neck is {:.3g} cells wide; use >= 8 ({}).", cells, count_for(8)));
+  }
+}
+
+void check_walls(const Scene& s, bool domain_sound, Problems& p) {
+  const bool left = s.wall(Side::left) == Wall::periodic, right = s.wall(Side::right) == Wall::periodic;
+  if (left != right)
+    p.error(left ? "walls.right" : "walls.left",
+            fmt::format("is {} while the opposite wall is periodic (both or neither). Make both periodic.",
+                        wall_names[static_cast<int>(s.wall(left ? Side::right : Side::left))]));
+  for (const Side side : {Side::bottom, Side::top})
+    if (s.wall(side) == Wall::periodic)
+      p.error(
+          fmt::format("walls.{}", side_names[static_cast<int>(side)]),
+          "periodic is not possible here (no_slip, free_slip, open). Only left and right can be periodic.");
+  for (std::size_t k = 0; k < s.orifices.size(); ++k) {
+    const Orifice& o = s.orifices[k];
+    const std::string path = fmt::format("orifices.{}", k);
+    if (!std::isfinite(o.centre)) p.error(path + ".centre", fmt::format("{} is not finite.", o.centre));
+    if (p.require(o.width > 0, path + ".width", o.width, "> 0") && domain_sound) check_orifice(s, k, p);
+  }
+}
+
+void check_numerics(const Scene& s, Problems& p) {
+  const Rheology& r = s.rheology;
+  const std::string path = "physics.rheology.";
+  if (p.require(r.eta_min > 0, path + "eta_min", r.eta_min, "> 0") && r.eta_max <= r.eta_min)
+    p.error(path + "eta_max",
+            fmt::format("{} is not above eta_min = {}. 1.643e6 rho sqrt(g d^3) is the usual cap.", r.eta_max,
+                        r.eta_min));
+  else if (!std::isfinite(r.eta_max))
+    p.error(path + "eta_max", fmt::format("{} is not finite.", r.eta_max));
+  p.require(r.smoothing_length >= 0, path + "smoothing_length", r.smoothing_length, ">= 0",
+            "One grain diameter is the usual choice.");
+  p.require(r.background_pressure >= 0, path + "background_pressure", r.background_pressure, ">= 0");
+  const Accuracy& a = s.accuracy;
+  p.require(a.viscous_tolerance > 0 && a.viscous_tolerance < 1, "accuracy.viscous_tolerance",
+            a.viscous_tolerance, "above 0, below 1", "1e-3 is balanced.");
+  p.require(a.pressure_tolerance > 0 && a.pressure_tolerance < 1, "accuracy.pressure_tolerance",
+            a.pressure_tolerance, "above 0, below 1", "1e-6 is balanced.");
+  p.require(a.max_iterations >= 1, "accuracy.max_iterations", a.max_iterations, ">= 1");
+  p.require(s.threads >= 0 && s.threads <= 1024, "threads", s.threads, "0 to 1024", "0 takes all cores.");
+}
+
+/// Through an orifice, or over an open side that gravity does not keep them from.
+bool grains_can_leave(const Scene& s) {
+  const std::array<double, 4> outward{-s.gravity[0], s.gravity[0], -s.gravity[1],
+                                      s.gravity[1]};  // g along the normal
+  for (std::size_t side = 0; side < 4; ++side)
+    if (s.walls[side] == Wall::open && outward[side] >= 0) return true;
+  return !s.orifices.empty();
+}
+
+void check_time(const Scene& s, Problems& p) {
+  const TimeControl& t = s.time;
+  p.require(t.end >= 0, "time.end", t.end, ">= 0", "0 sets no limit.");
+  p.require(t.cfl > 0 && t.cfl <= 0.5, "time.cfl", t.cfl, "above 0, at most 0.5",
+            "Beyond 0.5 the volume of grains would not be kept.");
+  p.require(t.dt_max > 0, "time.dt_max", t.dt_max, "> 0", "0.0548 sqrt(d/g) is the default.");
+  p.require(t.max_steps >= 0, "time.max_steps", static_cast<double>(t.max_steps), ">= 0", "0 sets no limit.");
+  const auto fraction = [&](const std::optional<double>& value, const std::string& path) {
+    if (!value) return;
+    p.require(*value > 0 && *value < 1, path, *value, "above 0, below 1");
+    if (!grains_can_leave(s))
+      p.warn(path, "never comes true: there is no orifice, and no open side lets grains leave.");
+  };
+  fraction(s.stop.mass_below, "stop.mass_below");
+  fraction(s.stop.steady_discharge, "stop.steady_discharge");
+  const bool stops = (s.stop.mass_below || s.stop.steady_discharge) && grains_can_leave(s);
+  if (t.end == 0 && t.max_steps == 0 && !stops)
+    p.error("time",
+            "nothing ends this run (one of time.end, time.max_steps, stop.mass_below, stop.steady_discharge; "
+            "stop needs a way out for grains). Add e.g. time: {end: 164.3}.");
+}
+
+void check_output(const Scene& s, Problems& p) {
+  if (s.name.empty() || s.name == "." || s.name == ".." || s.name.size() > 100 ||
+      std::any_of(s.name.begin(), s.name.end(),
+                  [](unsigned char c) { return c == '/' || c < 32 || c == 127; }))
+    p.error("name", fmt::format("'{:.40}' cannot name a run folder (1 to 100 characters, no /).", s.name));
+  p.require(s.output.series_every > 0, "output.series_every", s.output.series_every, "> 0");
+  p.require(s.output.fields_every >= 0, "output.fields_every", s.output.fields_every, ">= 0",
+            "0 stores no fields.");
+  p.require(s.output.snapshots_every >= 0, "output.snapshots_every", s.output.snapshots_every, ">= 0",
+            "0 draws no pictures.");
+  std::string known;
+  for (const FieldInfo& info : known_fields()) known += (known.empty() ? "" : ", ") + std::string(info.name);
+  for (std::size_t k = 0; k < s.output.fields.size(); ++k) {
+    const std::string &name = s.output.fields[k], path = fmt::format("output.fields.{}", k);
+    if (name == "fluidity_ratio")
+      p.error(
+          path,
+          "fluidity_ratio belongs to physics.nonlocal, which is not modelled by this version. Remove it.");
+    else if (std::none_of(known_fields().begin(), known_fields().end(),
+                          [&](const FieldInfo& info) { return info.name == name; }))
+      p.error(path, fmt::format("there is no field '{:.40}' (allowed: {}).", name, known));
+  }
+}
+
+}  // namespace
+
+std::vector<Problem> check(const Scene& scene) {
+  Problems problems;
+  check_output(scene, problems);
+  const bool domain_sound = check_domain(scene, problems);
+  check_materials(scene, problems);
+  check_fill(scene, domain_sound, problems);
+  check_walls(scene, domain_sound, problems);
+  check_numerics(scene, problems);
+  check_time(scene, problems);
+  return problems.list;
+}
+
+}  // namespace hourglass
