@@ -1,0 +1,36 @@
+# Run when a test executable has been linked: asks it for its test cases and writes the ctest entries.
+# Own code and not Catch2's Catch.cmake (2.13), which stumbles over "[0, 1)" in the name of a test case, takes no
+# labels from tags, and lets a case pass that it failed to find (here -w NoTests makes that an error).
+# A CMake list splits at semicolons, but not between brackets: neither may stand in a name while it is in a list.
+string(ASCII 1 open)
+string(ASCII 2 close)
+string(ASCII 3 semicolon)
+
+set(entries "")
+foreach(label fast slow)
+  if(label STREQUAL slow)
+    set(cases "[slow]")
+    set(timeout 1800)
+  else()
+    set(cases "~[slow]")
+    set(timeout 300)
+  endif()
+  execute_process(COMMAND ${EXECUTABLE} ${cases} --list-test-names-only OUTPUT_VARIABLE names RESULT_VARIABLE count)
+  if(NOT count MATCHES "^[0-9]+$")  # the number of cases, or what killed it
+    message(FATAL_ERROR "${EXECUTABLE} cannot list its test cases: ${count}")
+  endif()
+  string(REPLACE "[" "${open}" names "${names}")
+  string(REPLACE "]" "${close}" names "${names}")
+  string(REPLACE ";" "${semicolon}" names "${names}")
+  string(REGEX MATCHALL "[^\n]+" names "${names}")
+  foreach(name IN LISTS names)
+    string(REPLACE "${open}" "[" name "${name}")
+    string(REPLACE "${close}" "]" name "${name}")
+    string(REPLACE "${semicolon}" ";" name "${name}")
+    string(REGEX REPLACE "([][,\"~\\\\])" "\\\\\\1" pattern "${name}")  # for Catch2 to read as plain text
+    string(APPEND entries
+           "add_test([==[${SUITE}: ${name}]==] [==[${EXECUTABLE}]==] [==[${pattern}]==] -w NoTests)\n"
+           "set_tests_properties([==[${SUITE}: ${name}]==] PROPERTIES LABELS ${label} TIMEOUT ${timeout})\n")
+  endforeach()
+endforeach()
+file(WRITE ${ENTRIES} "${entries}")
