@@ -1,0 +1,105 @@
+#pragma once
+// Every key of a scene file, once: the reader and the writer both walk this list.
+#include <array>
+
+#include "solver/scene.hpp"
+
+namespace hourglass {
+
+/// What the words of `accuracy` stand for. The Courant number is a matter of the scene, not of these.
+inline constexpr std::array accuracy_names{"fast", "balanced", "accurate"};
+inline constexpr std::array<Accuracy, 3> accuracy_presets{
+    Accuracy{.viscous_tolerance = 1e-2, .pressure_tolerance = 1e-5},
+    Accuracy{.viscous_tolerance = 1e-3, .pressure_tolerance = 1e-6},
+    Accuracy{.viscous_tolerance = 1e-4, .pressure_tolerance = 1e-8},
+};
+
+/// A key's `required` text says what the value is; without one the key has a default.
+template <class Visitor>
+void visit_scene(Visitor& v, Scene& s) {
+  v.text("name", s.name);
+  v.choice("units", s.units, units_names);
+  const bool si =
+      s.units == Units::SI;  // whose defaults would be metres and kilograms of nothing in particular
+  v.map("domain", [&] {
+    v.number("width", s.width, "the width of the domain, above 0");
+    v.number("height", s.height, "the height of the domain, above 0");
+    v.fixed("symmetry", "none", {"mirror"});
+  });
+  v.map("grid", [&] { v.integer("cells_x", s.cells_x, "the number of cells across the width"); });
+  v.pair("gravity", s.gravity, si ? "in SI units, e.g. [0, -9.81]" : nullptr);
+  v.fixed("model", "mu_I", {"kinematic", "stochastic", "radial"});
+  v.map("air", [&] {
+    v.fixed("model", "passive", {"none"});
+    v.number("density", s.air.density);
+    v.number("viscosity", s.air.viscosity);
+  });
+  v.named("materials", s.materials, "at least one, e.g. sand: {mu_s: 0.62, delta_mu: 0.48, I_0: 0.6}",
+          [&](Material& m) {
+            v.number("mu_s", m.mu_s);
+            v.number("delta_mu", m.delta_mu);
+            v.number("I_0", m.I_0);
+            v.number("diameter", m.diameter, si ? "in SI units, e.g. 1e-3" : nullptr);
+            v.number("density", m.density, si ? "in SI units, e.g. 1500" : nullptr);
+            v.number("viscosity", m.viscosity);
+          });
+  v.list("fill", s.fill,
+         "what the domain holds at the start, e.g. - {material: sand, box: {x: [0, 150], y: [0, 135]}}",
+         [&](Fill& f) {
+           v.material("material", f.material, s.materials, "the name of a material, or air");
+           v.shape(f.points);
+         });
+  v.map("walls", [&] {
+    for (std::size_t side = 0; side < 4; ++side) v.choice(side_names[side], s.walls[side], wall_names);
+  });
+  v.list("orifices", s.orifices, nullptr, [&](Orifice& o) {
+    v.choice("wall", o.wall, side_names);
+    v.number("centre", o.centre, "its place along the wall");
+    v.number("width", o.width, "its width, above 0");
+  });
+  v.unmodelled({"inserts", "feed", "hopper"});
+  v.map("physics", [&] {
+    v.map("rheology", [&] {
+      Rheology& r = s.rheology;
+      v.choice("law", r.law, law_names, {"mu_I_regularised"});
+      v.number("eta_min", r.eta_min);
+      v.number("eta_max", r.eta_max);
+      v.number("smoothing_length", r.smoothing_length);
+      v.choice("corner_mean", r.corner_mean, corner_mean_names);
+      v.choice("orifice_edge", r.orifice_edge, edge_rule_names);
+      v.number("background_pressure", r.background_pressure);
+    });
+    v.unmodelled({"nonlocal", "dilatancy", "wall_friction"});
+  });
+  v.map("time", [&] {
+    v.number("end", s.time.end);
+    v.number("cfl", s.time.cfl);
+    v.number("dt_max", s.time.dt_max);
+    v.integer("max_steps", s.time.max_steps);
+    v.choice("start_pressure", s.start_pressure, start_pressure_names);
+  });
+  v.map("stop", [&] {
+    v.number("mass_below", s.stop.mass_below);
+    v.number("steady_discharge", s.stop.steady_discharge);
+  });
+  int preset = -1;
+  if (v.word("accuracy", preset, accuracy_names)) {
+    if (preset >= 0) s.accuracy = accuracy_presets[preset];
+  } else {
+    v.map("accuracy", [&] {
+      v.number("viscous_tolerance", s.accuracy.viscous_tolerance);
+      v.number("pressure_tolerance", s.accuracy.pressure_tolerance);
+      v.integer("max_iterations", s.accuracy.max_iterations);
+      v.choice("precision", s.accuracy.precision, precision_names);
+    });
+  }
+  v.map("output", [&] {
+    v.number("series_every", s.output.series_every);
+    v.number("fields_every", s.output.fields_every);
+    v.number("snapshots_every", s.output.snapshots_every);
+    v.texts("fields", s.output.fields);
+  });
+  v.integer("threads", s.threads);
+}
+
+}  // namespace hourglass

@@ -1,0 +1,176 @@
+#include "io/scene_yaml.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "io/scene_keys.hpp"
+#include "io/scene_reader.hpp"
+#include "io/scene_writer.hpp"
+#include "io/yaml_tree.hpp"
+
+namespace hourglass {
+
+namespace {
+
+using Kind = YamlNode::Kind;
+
+constexpr std::size_t largest_file = 1 << 20;  // bytes; a scene is a page, so more is a mistake or an attack
+
+/// Defaults are multiples of the grain's scales; those that the file does not give are brought to them.
+void apply_scales(Scene& s, const YamlNode& root, std::vector<SceneReader::Finding>& findings) {
+  struct Scaled {
+    const char* path;
+    double& value;
+    double scale;
+  };
+  const Scales scale = scales(s);
+  const std::vector<Scaled> all{
+      {"air.density", s.air.density, scale.density},
+      {"air.viscosity", s.air.viscosity, scale.viscosity},
+      {"physics.rheology.eta_min", s.rheology.eta_min, scale.viscosity},
+      {"physics.rheology.eta_max", s.rheology.eta_max, scale.viscosity},
+      {"physics.rheology.smoothing_length", s.rheology.smoothing_length, scale.length},
+      {"time.dt_max", s.time.dt_max, scale.time},
+      {"output.series_every", s.output.series_every, scale.time},
+      {"output.fields_every", s.output.fields_every, scale.time},
+      {"output.snapshots_every", s.output.snapshots_every, scale.time},
+  };
+  std::vector<std::string> without_scale;
+  for (const Scaled& one : all) {
+    const YamlNode* node = &root;
+    for (const std::string& step : split_path(one.path)) node = node ? node->find(step) : nullptr;
+    if (node) continue;
+    if (std::isfinite(one.scale) && one.scale > 0)
+      one.value *= one.scale;
+    else if (s.gravity[0] == 0 && s.gravity[1] == 0)
+      without_scale.push_back(one.path);
+  }
+  const YamlNode* gravity = root.find("gravity");
+  if (!without_scale.empty())
+    findings.push_back(
+        {gravity ? gravity : &root, "gravity",
+         fmt::format("is zero, so these have no default: {}. Give them.", fmt::join(without_scale, ", "))});
+}
+
+std::string read_text(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) throw YamlError(0, "is a folder, not a scene file.");
+  std::ifstream file(path, std::ios::binary);
+  if (!file)
+    throw YamlError(0, std::filesystem::exists(path, ignored) ? "cannot be opened. Check its permissions."
+                                                              : "no such file. Check the path.");
+  std::string text(largest_file + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  if (text.size() > largest_file) throw YamlError(0, "is larger than 1 MiB (a scene is a page or two).");
+  return text;
+}
+
+void mark_origin(YamlNode& node, int override_index) {
+  node.line = 0;
+  node.override_index = override_index;
+  for (YamlNode& item : node.items) mark_origin(item, override_index);
+  for (auto& [key, value] : node.keys) mark_origin(value, override_index);
+}
+
+/// The node at a dotted path, or the nearest one above it that is there.
+const YamlNode& nearest_node(const YamlNode& root, const std::string& path) {
+  const YamlNode* at = &root;
+  for (const std::string& step : split_path(path)) {
+    const YamlNode* next = at->find(step);
+    if (!next) break;
+    at = next;
+  }
+  return *at;
+}
+
+}  // namespace
+
+std::string Diagnostic::text() const {
+  return fmt::format("{}{}{}: {}{}", place, path.empty() ? "" : " ", path, fatal ? "" : "warning: ", message);
+}
+
+bool Loaded::ok() const {
+  return std::none_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& d) { return d.fatal; });
+}
+
+Loaded load_scene(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
+  Loaded loaded;
+  std::vector<Diagnostic>& diagnostics = loaded.diagnostics;
+  const std::string file = path.string();
+  const auto at_line = [&](int line) { return line > 0 ? fmt::format("{}:{}", file, line) : file; };
+
+  YamlNode root;
+  try {
+    root = parse_yaml(read_text(path));
+    if (root.kind != Kind::map)
+      throw YamlError(root.line,
+                      fmt::format("found {} (expected a scene: a map of keys such as domain, grid, "
+                                  "materials).",
+                                  what_is(root)));
+  } catch (const YamlError& error) {
+    diagnostics.push_back({at_line(error.line), "", error.what()});
+    return loaded;
+  }
+  std::vector<Diagnostic> lost_overrides;
+  for (std::size_t k = 0; k < overrides.size(); ++k) {
+    const std::size_t equals = overrides[k].find('=');
+    const std::string key = overrides[k].substr(0, equals);
+    try {
+      if (equals == std::string::npos) throw YamlError(0, "expected path=value, e.g. grid.cells_x=256.");
+      YamlNode value = parse_yaml(overrides[k].substr(equals + 1));
+      mark_origin(value, static_cast<int>(k));
+      assign(root, key, std::move(value));
+    } catch (const YamlError& error) {
+      const std::string named = equals == std::string::npos ? "" : shown(key);
+      lost_overrides.push_back({"--set " + shown(overrides[k]), named, error.what()});
+    }
+  }
+
+  Scene& scene = loaded.scene;
+  scene.name = path.stem().string();
+  SceneReader reader(root);
+  visit_scene(reader, scene);
+  reader.finish(root);
+  apply_scales(scene, root, reader.findings);
+
+  struct Placed {
+    int line;
+    Diagnostic diagnostic;
+  };
+  std::vector<Placed> placed;
+  const auto place = [&](const YamlNode& node, const std::string& key, const std::string& message,
+                         bool fatal) {
+    const std::string where =
+        node.override_index >= 0 ? "--set " + shown(overrides[node.override_index]) : at_line(node.line);
+    placed.push_back({node.override_index >= 0 ? std::numeric_limits<int>::max() : node.line,
+                      {where, shown(key), message, fatal}});
+  };
+  for (const SceneReader::Finding& f : reader.findings) place(*f.node, f.path, f.message, true);
+  for (const Problem& problem : check(scene)) {
+    const bool known =
+        std::any_of(reader.findings.begin(), reader.findings.end(), [&](const SceneReader::Finding& f) {
+          return f.path == problem.path || f.path.starts_with(problem.path + ".") ||
+                 problem.path.starts_with(f.path + ".");
+        });
+    if (!known) place(nearest_node(root, problem.path), problem.path, problem.message, problem.fatal);
+  }
+  std::stable_sort(placed.begin(), placed.end(),
+                   [](const Placed& a, const Placed& b) { return a.line < b.line; });
+  for (Placed& p : placed) diagnostics.push_back(std::move(p.diagnostic));
+  diagnostics.insert(diagnostics.end(), lost_overrides.begin(), lost_overrides.end());
+  return loaded;
+}
+
+std::string to_yaml(const Scene& scene) {
+  SceneWriter writer;
+  Scene copy = scene;
+  visit_scene(writer, copy);
+  return std::move(writer.out);
+}
+
+}  // namespace hourglass
