@@ -1,0 +1,155 @@
+#pragma once
+// The pressure operator on a staggered patch, integrated over a cell:
+//
+//   (A q)_c = sum over the four faces of beta_f (q_c - q_nb),   beta = aperture / rho [L^2/M] on faces,
+//
+// with q = 0 beyond every boundary: a wall has beta = 0, an open face 2 / rho (p = 0 half a cell away). A q = b with b the
+// sum of face velocities into the cell, so that u - beta (q_right - q_left) is solenoidal.
+#include "kernels/boundary.hpp"
+#include "kernels/team.hpp"
+#include "kernels/velocity.hpp"
+
+namespace hourglass {
+
+/// Coefficients of A; T is the precision of the preconditioner and, because the velocity correction reads the same
+/// numbers, of nothing else: the divergence vanishes for these very coefficients.
+template <class T>
+struct PoissonCoefficients {
+  VelocityOf<T> beta;                ///< on faces [L^2/M]
+  CellFieldOf<T> inverse_diagonal;   ///< 1 / (sum of the four beta) [M/L^2]; 0 for a cell without open face
+
+  PoissonCoefficients() = default;
+  explicit PoissonCoefficients(const Patch& p) : beta(p), inverse_diagonal(p) {}
+  std::size_t bytes() const { return beta.bytes() + inverse_diagonal.bytes(); }
+};
+
+/// Row j: the stencil, written once.
+template <class T, class X>
+struct PoissonRow {
+  const T *bx, *bs, *bn;
+  const X *q, *qs, *qn;
+  PoissonRow(const PoissonCoefficients<T>& a, const CellFieldOf<X>& x, int j)
+      : bx(a.beta.u.row(j)), bs(a.beta.v.row(j)), bn(a.beta.v.row(j + 1)), q(x.row(j)), qs(x.row(j - 1)),
+        qn(x.row(j + 1)) {}
+  X off_diagonal(int i) const {
+    return (X(bx[i + 1]) * q[i + 1] + X(bx[i]) * q[i - 1]) + (X(bn[i]) * qn[i] + X(bs[i]) * qs[i]);
+  }
+  X diagonal(int i) const { return (X(bx[i + 1]) + X(bx[i])) + (X(bn[i]) + X(bs[i])); }
+};
+
+/// Gauss-Seidel on the cells of row j with i + j of the given parity. in: x, halo 1 (0, or wrapped); out: row j of x.
+/// Reads beta 8 B, inverse diagonal 4 B, b 4 B, x 4 B and writes x 4 B a cell (float).
+template <class T>
+void relax_poisson_row(const PoissonCoefficients<T>& a, CellFieldOf<T>& x, const CellFieldOf<T>& b, int j, int colour,
+                       T* __restrict scratch) {
+  const PoissonRow<T, T> row(a, x, j);
+  const T* __restrict rhs = b.row(j);
+  const T* __restrict inv = a.inverse_diagonal.row(j);
+  const int n = x.nx(), first = (colour + j) & 1;
+#pragma omp simd
+  for (int i = 0; i < n; ++i) scratch[i] = inv[i] * (rhs[i] + row.off_diagonal(i));
+  T* __restrict out = x.row(j);
+#pragma omp simd
+  for (int i = 0; i < n; ++i) out[i] = (i & 1) == first ? scratch[i] : out[i];
+}
+
+/// (A x) on row j. in: x, halo 1.
+template <class T, class X>
+void apply_poisson_row(const PoissonCoefficients<T>& a, const CellFieldOf<X>& x, int j, X* __restrict out) {
+  const PoissonRow<T, X> row(a, x, j);
+  const int n = x.nx();
+#pragma omp simd
+  for (int i = 0; i < n; ++i) out[i] = row.diagonal(i) * row.q[i] - row.off_diagonal(i);
+}
+
+template <class T>
+void fill_inverse_diagonal(Team& team, PoissonCoefficients<T>& a) {
+  const Rows rows = team.rows(a.inverse_diagonal.ny());
+  for (int j = rows.begin; j < rows.end; ++j) {
+    const T *bx = a.beta.u.row(j), *bs = a.beta.v.row(j), *bn = a.beta.v.row(j + 1);
+    T* __restrict inv = a.inverse_diagonal.row(j);
+    const int n = a.inverse_diagonal.nx();
+    for (int i = 0; i < n; ++i) {
+      const T diagonal = (bx[i + 1] + bx[i]) + (bn[i] + bs[i]);
+      inv[i] = diagonal > T(0) ? T(1) / diagonal : T(0);
+    }
+  }
+}
+
+/// beta of the next coarser level: the mean of the two fine faces on each coarse face; at an orifice the closed ones count
+/// as 0, which is the open share (numerics 2.2). Rows of this member; sync before and after.
+template <class T>
+void coarsen_poisson(Team& team, const PoissonCoefficients<T>& fine, PoissonCoefficients<T>& coarse) {
+  const int nx = coarse.inverse_diagonal.nx(), ny = coarse.inverse_diagonal.ny();
+  const Rows rows = team.rows(ny + 1);
+  for (int j = rows.begin; j < rows.end; ++j) {
+    if (j < ny) {
+      const T *b0 = fine.beta.u.row(2 * j), *b1 = fine.beta.u.row(2 * j + 1);
+      T* __restrict out = coarse.beta.u.row(j);
+      for (int i = 0; i <= nx; ++i) out[i] = T(0.5) * (b0[2 * i] + b1[2 * i]);
+    }
+    const T* b = fine.beta.v.row(2 * j);
+    T* __restrict out = coarse.beta.v.row(j);
+    for (int i = 0; i < nx; ++i) out[i] = T(0.5) * (b[2 * i] + b[2 * i + 1]);
+  }
+}
+
+/// coarse = sum of the four fine cells. Rows of this member; sync before and after.
+template <class T>
+void restrict_poisson(Team& team, const CellFieldOf<T>& fine, CellFieldOf<T>& coarse) {
+  const Rows rows = team.rows(coarse.ny());
+  for (int j = rows.begin; j < rows.end; ++j) {
+    const T *r0 = fine.row(2 * j), *r1 = fine.row(2 * j + 1);
+    T* __restrict out = coarse.row(j);
+    const int n = coarse.nx();
+#pragma omp simd
+    for (int i = 0; i < n; ++i) out[i] = (r0[2 * i] + r0[2 * i + 1]) + (r1[2 * i] + r1[2 * i + 1]);
+  }
+}
+
+/// Ghost value of a pressure correction beyond a boundary face: copied at a wall, mirrored with a change of sign where open.
+inline double pressure_ghost(double open) { return 1 - 2 * open; }
+
+/// fine += bilinear interpolation of coarse. Halo of fine is wrapped where periodic, else left 0.
+/// Rows of this member; sync before and after.
+template <class T>
+void prolong_poisson(Team& team, const CellFieldOf<T>& coarse, const Boundary& coarse_boundary, CellFieldOf<T>& fine) {
+  const int nx = coarse.nx(), ny = coarse.ny();
+  const bool periodic = coarse_boundary.periodic_x;
+  const Rows rows = team.rows(2 * ny);
+  for (int j = rows.begin; j < rows.end; ++j) {
+    const int cj = j / 2, other = j % 2 == 0 ? cj - 1 : cj + 1;
+    const bool ghost = other < 0 || other >= ny;
+    const T* near = coarse.row(cj);
+    const T* far = ghost ? near : coarse.row(other);
+    const SideFaces& side = other < 0 ? coarse_boundary.bottom : coarse_boundary.top;
+    T* __restrict out = fine.row(j);
+    const auto line = [&](int i) {
+      const T s = ghost ? T(pressure_ghost(side.open[i])) : T(1);
+      return T(0.75) * near[i] + T(0.25) * s * far[i];
+    };
+    const T left = periodic ? line(nx - 1) : T(pressure_ghost(coarse_boundary.left.open[cj])) * line(0);
+    const T right = periodic ? line(0) : T(pressure_ghost(coarse_boundary.right.open[cj])) * line(nx - 1);
+    const auto add = [&](int i, T l, T c, T r) {
+      out[2 * i] += T(0.75) * c + T(0.25) * l;
+      out[2 * i + 1] += T(0.75) * c + T(0.25) * r;
+    };
+    add(0, left, line(0), nx > 1 ? line(1) : right);
+    if (ghost) {
+      for (int i = 1; i < nx - 1; ++i) add(i, line(i - 1), line(i), line(i + 1));
+    } else {
+#pragma omp simd
+      for (int i = 1; i < nx - 1; ++i) {
+        const T l = T(0.75) * near[i - 1] + T(0.25) * far[i - 1];
+        const T c = T(0.75) * near[i] + T(0.25) * far[i];
+        const T r = T(0.75) * near[i + 1] + T(0.25) * far[i + 1];
+        out[2 * i] += T(0.75) * c + T(0.25) * l;
+        out[2 * i + 1] += T(0.75) * c + T(0.25) * r;
+      }
+    }
+    if (nx > 1) add(nx - 1, line(nx - 2), line(nx - 1), right);
+    if (periodic) wrap_row(out, 2 * nx);
+  }
+}
+
+}  // namespace hourglass

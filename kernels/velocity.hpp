@@ -1,0 +1,74 @@
+#pragma once
+// The two components of a staggered vector, and the row-by-row view that Krylov methods take of any unknown.
+#include "kernels/field.hpp"
+
+namespace hourglass {
+
+/// A vector field on the faces of a patch.
+template <class T>
+struct VelocityOf {
+  XFaceFieldOf<T> u;
+  YFaceFieldOf<T> v;
+
+  VelocityOf() = default;
+  explicit VelocityOf(const Patch& p) : u(p), v(p) {}
+  std::size_t bytes() const { return u.bytes() + v.bytes(); }
+  const Patch& patch() const { return u.patch(); }
+  void fill(T value) {
+    u.fill(value);
+    v.fill(value);
+  }
+};
+using Velocity = VelocityOf<double>;
+
+/// Rows of an unknown, all components: what Team::rows shares out and RowSums is sized by. The rows of u and v
+/// alternate, so that a member's share of both is one slab of the patch.
+template <class T>
+int row_count(const CellFieldOf<T>& f) {
+  return f.ny();
+}
+template <class T>
+int row_count(const VelocityOf<T>& f) {
+  return f.u.ny() + f.v.ny();
+}
+
+template <class T>
+struct Row {
+  T* data;  ///< data[0 .. n-1]
+  int n;
+};
+
+template <class T>
+Row<T> row_of(CellFieldOf<T>& f, int k) {
+  return {f.row(k), f.nx()};
+}
+template <class T>
+Row<const T> row_of(const CellFieldOf<T>& f, int k) {
+  return {f.row(k), f.nx()};
+}
+template <class T>
+Row<T> row_of(VelocityOf<T>& f, int k) {
+  if (k % 2 == 0 && k / 2 < f.u.ny()) return {f.u.row(k / 2), f.u.nx()};
+  return {f.v.row(k / 2), f.v.nx()};
+}
+template <class T>
+Row<const T> row_of(const VelocityOf<T>& f, int k) {
+  if (k % 2 == 0 && k / 2 < f.u.ny()) return {f.u.row(k / 2), f.u.nx()};
+  return {f.v.row(k / 2), f.v.nx()};
+}
+
+/// The same unknown with another number type.
+template <class Unknown, class T>
+struct Rebind;
+template <At where, class S, class T>
+struct Rebind<Field<where, S>, T> {
+  using type = Field<where, T>;
+};
+template <class S, class T>
+struct Rebind<VelocityOf<S>, T> {
+  using type = VelocityOf<T>;
+};
+template <class Unknown, class T>
+using rebind_t = typename Rebind<Unknown, T>::type;
+
+}  // namespace hourglass

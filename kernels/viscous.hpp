@@ -1,0 +1,309 @@
+#pragma once
+// The viscous operator on a staggered patch, from the discrete energy (Batty & Bridson 2008)
+//
+//   E(u) = 1/2 sum_f m_f u_f^2 + sum_c eta_c [(dx u)^2 + (dy v)^2] h^2 + 1/2 sum_n eta_n (dy u + dx v)^2 h^2,
+//
+// so A = E'' is symmetric and positive. Written out, with m = V rho h^2 / dt [M/T] on faces, V the share of a full control
+// volume (1/2 on open boundary faces), eta_c [M/T] in cells, eta_n [M/T] at corners:
+//
+//   (A u)_u = (m + 2 eta_E + 2 eta_W + eta_N + eta_S) u - 2 eta_E u_E - 2 eta_W u_W
+//             - eta_N (u_N + v_NE - v_NW) - eta_S (u_S - v_SE + v_SW),   and the same for v with x and y exchanged.
+//
+// A x = b has the unit of force. Fixed faces (walls) have inverse diagonal 0: they keep the value 0 and residual 0.
+// Halos of eta are 0 and halos of x are 0, except where periodic; corner weights at walls sit in eta_n (SideFaces).
+#include <cmath>
+
+#include "kernels/boundary.hpp"
+#include "kernels/team.hpp"
+#include "kernels/velocity.hpp"
+
+namespace hourglass {
+
+/// Coefficients of A; T is the precision of the preconditioner. 6 arrays.
+template <class T>
+struct ViscousCoefficients {
+  CellFieldOf<T> eta_c;          ///< [M/T]
+  CornerFieldOf<T> eta_n;        ///< weighted at boundaries [M/T]
+  VelocityOf<T> mass;            ///< m [M/T]
+  VelocityOf<T> inverse_diagonal;///< 1/diagonal, 0 on fixed faces [T/M]
+
+  ViscousCoefficients() = default;
+  explicit ViscousCoefficients(const Patch& p) : eta_c(p), eta_n(p), mass(p), inverse_diagonal(p) {}
+  std::size_t bytes() const {
+    return eta_c.bytes() + eta_n.bytes() + mass.bytes() + inverse_diagonal.bytes();
+  }
+};
+
+/// Row j of the u-equations: the stencil, written once. X is the precision of the unknown.
+template <class T, class X>
+struct URow {
+  const T *ec, *nn, *ns;
+  const X *u, *un, *us, *vn, *vs;
+  URow(const ViscousCoefficients<T>& a, const VelocityOf<X>& x, int j)
+      : ec(a.eta_c.row(j)), nn(a.eta_n.row(j + 1)), ns(a.eta_n.row(j)), u(x.u.row(j)), un(x.u.row(j + 1)),
+        us(x.u.row(j - 1)), vn(x.v.row(j + 1)), vs(x.v.row(j)) {}
+  X off_diagonal(int i) const {
+    return X(2) * (X(ec[i]) * u[i + 1] + X(ec[i - 1]) * u[i - 1]) + X(nn[i]) * (un[i] + (vn[i] - vn[i - 1])) +
+           X(ns[i]) * (us[i] - (vs[i] - vs[i - 1]));
+  }
+  X sum_of_eta(int i) const { return X(2) * (X(ec[i]) + X(ec[i - 1])) + (X(nn[i]) + X(ns[i])); }
+};
+
+/// Row j of the v-equations.
+template <class T, class X>
+struct VRow {
+  const T *en, *es, *nc;
+  const X *v, *vn, *vs, *un, *us;
+  VRow(const ViscousCoefficients<T>& a, const VelocityOf<X>& x, int j)
+      : en(a.eta_c.row(j)), es(a.eta_c.row(j - 1)), nc(a.eta_n.row(j)), v(x.v.row(j)), vn(x.v.row(j + 1)),
+        vs(x.v.row(j - 1)), un(x.u.row(j)), us(x.u.row(j - 1)) {}
+  X off_diagonal(int i) const {
+    return X(2) * (X(en[i]) * vn[i] + X(es[i]) * vs[i]) + X(nc[i + 1]) * (v[i + 1] + (un[i + 1] - us[i + 1])) +
+           X(nc[i]) * (v[i - 1] - (un[i] - us[i]));
+  }
+  X sum_of_eta(int i) const { return X(2) * (X(en[i]) + X(es[i])) + (X(nc[i + 1]) + X(nc[i])); }
+};
+
+/// Gauss-Seidel on the points of row j with i + j of the given parity (colour 0 or 1).
+/// in: x, halo 1; b, coefficients; scratch: nx + 1 values; out: row j of x.u. 3 coefficient reads, b, x: 24 B/point (float).
+template <class T>
+void relax_u_row(const ViscousCoefficients<T>& a, VelocityOf<T>& x, const VelocityOf<T>& b, int j, int colour,
+                 T* __restrict scratch) {
+  const URow<T, T> row(a, x, j);
+  const T* __restrict rhs = b.u.row(j);
+  const T* __restrict inv = a.inverse_diagonal.u.row(j);
+  const int n = x.u.nx(), first = (colour + j) & 1;
+  // The new row goes through scratch: stores into x would be reloaded by the next vector's x[i - 1].
+#pragma omp simd
+  for (int i = 0; i < n; ++i) scratch[i] = inv[i] * (rhs[i] + row.off_diagonal(i));
+  T* __restrict out = x.u.row(j);
+#pragma omp simd
+  for (int i = 0; i < n; ++i) out[i] = (i & 1) == first ? scratch[i] : out[i];
+}
+
+template <class T>
+void relax_v_row(const ViscousCoefficients<T>& a, VelocityOf<T>& x, const VelocityOf<T>& b, int j, int colour,
+                 T* __restrict scratch) {
+  const VRow<T, T> row(a, x, j);
+  const T* __restrict rhs = b.v.row(j);
+  const T* __restrict inv = a.inverse_diagonal.v.row(j);
+  const int n = x.v.nx(), first = (colour + j) & 1;
+#pragma omp simd
+  for (int i = 0; i < n; ++i) scratch[i] = inv[i] * (rhs[i] + row.off_diagonal(i));
+  T* __restrict out = x.v.row(j);
+#pragma omp simd
+  for (int i = 0; i < n; ++i) out[i] = (i & 1) == first ? scratch[i] : out[i];
+}
+
+/// (A x) on row k of the unknown (row_of's numbering); 0 on fixed faces. in: x, halo 1.
+template <class T, class X>
+void apply_viscous_row(const ViscousCoefficients<T>& a, const VelocityOf<X>& x, int k, X* __restrict out) {
+  const int j = k / 2;
+  if (k % 2 == 0 && j < x.u.ny()) {
+    const URow<T, X> row(a, x, j);
+    const T* __restrict m = a.mass.u.row(j);
+    const T* __restrict inv = a.inverse_diagonal.u.row(j);
+    const int n = x.u.nx();
+#pragma omp simd
+    for (int i = 0; i < n; ++i) {
+      const X full = (X(m[i]) + row.sum_of_eta(i)) * row.u[i] - row.off_diagonal(i);
+      out[i] = inv[i] != T(0) ? full : X(0);
+    }
+  } else {
+    const VRow<T, X> row(a, x, j);
+    const T* __restrict m = a.mass.v.row(j);
+    const T* __restrict inv = a.inverse_diagonal.v.row(j);
+    const int n = x.v.nx();
+#pragma omp simd
+    for (int i = 0; i < n; ++i) {
+      const X full = (X(m[i]) + row.sum_of_eta(i)) * row.v[i] - row.off_diagonal(i);
+      out[i] = inv[i] != T(0) ? full : X(0);
+    }
+  }
+}
+
+/// inverse_diagonal from the other coefficients; fixed faces by the boundary. Rows of this member; sync after.
+template <class T>
+void fill_inverse_diagonal(Team& team, const Boundary& boundary, ViscousCoefficients<T>& a) {
+  const int nx = a.eta_c.nx(), ny = a.eta_c.ny();
+  const Rows rows = team.rows(ny + 1);
+  for (int j = rows.begin; j < rows.end; ++j) {
+    if (j < ny) {
+      const T* ec = a.eta_c.row(j);
+      const T *nn = a.eta_n.row(j + 1), *ns = a.eta_n.row(j);
+      const T* m = a.mass.u.row(j);
+      T* __restrict inv = a.inverse_diagonal.u.row(j);
+#pragma omp simd
+      for (int i = 0; i <= nx; ++i) inv[i] = T(1) / (m[i] + T(2) * (ec[i] + ec[i - 1]) + (nn[i] + ns[i]));
+      if (!boundary.periodic_x && !Boundary::unknown(boundary.left.open[j])) inv[0] = 0;
+      if (boundary.periodic_x || !Boundary::unknown(boundary.right.open[j])) inv[nx] = 0;  // periodic: the same as face 0
+    }
+    const T *en = a.eta_c.row(j), *es = a.eta_c.row(j - 1);
+    const T* nc = a.eta_n.row(j);
+    const T* m = a.mass.v.row(j);
+    T* __restrict inv = a.inverse_diagonal.v.row(j);
+#pragma omp simd
+    for (int i = 0; i < nx; ++i) inv[i] = T(1) / (m[i] + T(2) * (en[i] + es[i]) + (nc[i + 1] + nc[i]));
+    if (j == 0 || j == ny) {
+      const SideFaces& side = j == 0 ? boundary.bottom : boundary.top;
+      for (int i = 0; i < nx; ++i)
+        if (!Boundary::unknown(side.open[i])) inv[i] = 0;
+    }
+  }
+}
+
+/// Coefficients of the next coarser level: eta_c by the mean of 4, eta_n and m by full weighting. Arithmetic means bound
+/// the Galerkin operator from above, so the coarse correction never overshoots (numerics 1.3).
+/// in: fine, halo 1; out: coarse, but for its halo and inverse diagonal. Rows of this member; sync before and after.
+template <class T>
+void coarsen_viscous(Team& team, const ViscousCoefficients<T>& fine, bool periodic_x, ViscousCoefficients<T>& coarse) {
+  const int nx = coarse.eta_c.nx(), ny = coarse.eta_c.ny();
+  const Rows rows = team.rows(ny + 1);
+  for (int j = rows.begin; j < rows.end; ++j) {
+    if (j < ny) {
+      const T *e0 = fine.eta_c.row(2 * j), *e1 = fine.eta_c.row(2 * j + 1);
+      T* __restrict ec = coarse.eta_c.row(j);
+      for (int i = 0; i < nx; ++i)
+        ec[i] = T(0.25) * ((e0[2 * i] + e0[2 * i + 1]) + (e1[2 * i] + e1[2 * i + 1]));
+      const T *m0 = fine.mass.u.row(2 * j), *m1 = fine.mass.u.row(2 * j + 1);
+      T* __restrict m = coarse.mass.u.row(j);
+      for (int i = 0; i <= nx; ++i) {
+        const T centre = m0[2 * i] + m1[2 * i];
+        T sides = 0;
+        if (i > 0 || periodic_x) sides += m0[2 * i - 1] + m1[2 * i - 1];
+        if (i < nx || periodic_x) sides += m0[2 * i + 1] + m1[2 * i + 1];
+        m[i] = centre + T(0.5) * sides;
+      }
+    }
+    {
+      const T* mc = fine.mass.v.row(2 * j);
+      const T *ms = fine.mass.v.row(j > 0 ? 2 * j - 1 : 0), *mn = fine.mass.v.row(j < ny ? 2 * j + 1 : 2 * ny);
+      const T ws = j > 0 ? T(0.5) : T(0), wn = j < ny ? T(0.5) : T(0);
+      T* __restrict m = coarse.mass.v.row(j);
+      for (int i = 0; i < nx; ++i)
+        m[i] = (mc[2 * i] + mc[2 * i + 1]) + (ws * (ms[2 * i] + ms[2 * i + 1]) + wn * (mn[2 * i] + mn[2 * i + 1]));
+    }
+    // Corners: 1-2-1 along a boundary, 1-2-1 x 1-2-1 inside.
+    const T* nc = fine.eta_n.row(2 * j);
+    const bool inside_y = j > 0 && j < ny;
+    const T *ns = inside_y ? fine.eta_n.row(2 * j - 1) : nc, *nn = inside_y ? fine.eta_n.row(2 * j + 1) : nc;
+    T* __restrict out = coarse.eta_n.row(j);
+    const auto column = [&](int i) { return T(0.25) * (T(2) * nc[i] + (ns[i] + nn[i])); };
+    for (int i = 0; i <= nx; ++i) {
+      const int c = 2 * i;
+      const bool inside_x = periodic_x || (i > 0 && i < nx);
+      if (inside_x) {
+        out[i] = T(0.25) * (T(2) * column(c) + (column(c - 1) + column(c + 1)));
+      } else if (inside_y) {
+        out[i] = column(c);
+      } else {
+        out[i] = nc[c];
+      }
+    }
+  }
+}
+
+/// coarse = P^T fine, the transpose of prolong_viscous. in: fine residual, 0 on fixed faces, halo 1 (periodic).
+/// Rows of this member; sync before and after.
+template <class T>
+void restrict_viscous(Team& team, const VelocityOf<T>& fine, const Boundary& coarse_boundary, VelocityOf<T>& coarse) {
+  const int nx = coarse.patch().nx, ny = coarse.patch().ny;
+  const Rows rows = team.rows(ny + 1);
+  const bool periodic = coarse_boundary.periodic_x;
+  for (int j = rows.begin; j < rows.end; ++j) {
+    if (j < ny) {
+      const T *r0 = fine.u.row(2 * j), *r1 = fine.u.row(2 * j + 1);
+      const T *below = j > 0 ? fine.u.row(2 * j - 1) : r0, *above = j < ny - 1 ? fine.u.row(2 * j + 2) : r1;
+      T* __restrict out = coarse.u.row(j);
+      const auto line = [](const T* r, int c) { return r[c] + T(0.5) * (r[c - 1] + r[c + 1]); };
+      for (int i = 0; i <= nx; ++i) {
+        const T sb = j > 0 ? T(1) : T(ghost_factor(coarse_boundary.bottom.shear[i]));
+        const T sa = j < ny - 1 ? T(1) : T(ghost_factor(coarse_boundary.top.shear[i]));
+        out[i] = T(0.75) * (line(r0, 2 * i) + line(r1, 2 * i)) +
+                 T(0.25) * (sb * line(below, 2 * i) + sa * line(above, 2 * i));
+      }
+    }
+    const T* rc = fine.v.row(2 * j);
+    const T *rs = fine.v.row(2 * j - 1), *rn = fine.v.row(2 * j + 1);  // beyond the patch: halo, 0
+    T* __restrict out = coarse.v.row(j);
+    const auto line = [&](int c) { return rc[c] + T(0.5) * (rs[c] + rn[c]); };
+    for (int i = 0; i < nx; ++i) {
+      const int c = 2 * i;
+      const T left = i > 0 || periodic ? line(c - 1) : T(ghost_factor(coarse_boundary.left.shear[j])) * line(c);
+      const T right =
+          i < nx - 1 || periodic ? line(c + 2) : T(ghost_factor(coarse_boundary.right.shear[j])) * line(c + 1);
+      out[i] = T(0.75) * (line(c) + line(c + 1)) + T(0.25) * (left + right);
+    }
+  }
+}
+
+/// fine += P coarse on unknown faces: linear along a component's own direction, (3/4, 1/4) across it with ghost_factor at
+/// boundaries, so that a rigid rotation is reproduced exactly. Halo of fine is wrapped where periodic.
+/// Rows of this member; sync before and after.
+template <class T>
+void prolong_viscous(Team& team, const VelocityOf<T>& coarse, const Boundary& coarse_boundary,
+                     const VelocityOf<T>& fine_inverse_diagonal, VelocityOf<T>& fine) {
+  const int nx = coarse.patch().nx, ny = coarse.patch().ny;
+  const bool periodic = coarse_boundary.periodic_x;
+  const Rows rows = team.rows(2 * ny + 1);
+  for (int j = rows.begin; j < rows.end; ++j) {
+    const int cj = j / 2;
+    if (j < 2 * ny) {
+      const T* near = coarse.u.row(cj);
+      const int other = j % 2 == 0 ? cj - 1 : cj + 1;
+      const bool ghost = other < 0 || other >= ny;
+      const T* far = ghost ? near : coarse.u.row(other);
+      const SideFaces& side = other < 0 ? coarse_boundary.bottom : coarse_boundary.top;
+      const T* __restrict inv = fine_inverse_diagonal.u.row(j);
+      T* __restrict out = fine.u.row(j);
+      const auto blend = [&](int i) {
+        const T s = ghost ? T(ghost_factor(side.shear[i])) : T(1);
+        return T(0.75) * near[i] + T(0.25) * s * far[i];
+      };
+      if (!ghost) {
+#pragma omp simd
+        for (int i = 0; i < nx; ++i) {
+          const T here = T(0.75) * near[i] + T(0.25) * far[i];
+          const T next = T(0.75) * near[i + 1] + T(0.25) * far[i + 1];
+          out[2 * i] += inv[2 * i] != T(0) ? here : T(0);
+          out[2 * i + 1] += inv[2 * i + 1] != T(0) ? T(0.5) * (here + next) : T(0);
+        }
+      } else {
+        for (int i = 0; i < nx; ++i) {
+          if (inv[2 * i] != T(0)) out[2 * i] += blend(i);
+          if (inv[2 * i + 1] != T(0)) out[2 * i + 1] += T(0.5) * (blend(i) + blend(i + 1));
+        }
+      }
+      if (inv[2 * nx] != T(0)) out[2 * nx] += blend(nx);
+      if (periodic) wrap_row(out, 2 * nx);
+    }
+    {
+      const T* here = coarse.v.row(cj);
+      const T* next = coarse.v.row(j % 2 == 0 ? cj : cj + 1);
+      const T* __restrict inv = fine_inverse_diagonal.v.row(j);
+      T* __restrict out = fine.v.row(j);
+      const auto line = [&](int i) { return T(0.5) * (here[i] + next[i]); };
+      const int nj = j % 2 == 0 ? cj : cj + 1;
+      const auto ghost = [&](const SideFaces& side, int i) {
+        return T(0.5) * (T(ghost_factor(side.shear[cj])) * here[i] + T(ghost_factor(side.shear[nj])) * next[i]);
+      };
+      const T left = periodic ? line(nx - 1) : ghost(coarse_boundary.left, 0);
+      const T right = periodic ? line(0) : ghost(coarse_boundary.right, nx - 1);
+      const auto add = [&](int i, T l, T c, T r) {
+        if (inv[2 * i] != T(0)) out[2 * i] += T(0.75) * c + T(0.25) * l;
+        if (inv[2 * i + 1] != T(0)) out[2 * i + 1] += T(0.75) * c + T(0.25) * r;
+      };
+      add(0, left, line(0), nx > 1 ? line(1) : right);
+#pragma omp simd
+      for (int i = 1; i < nx - 1; ++i) {
+        const T l = line(i - 1), c = line(i), r = line(i + 1);
+        out[2 * i] += inv[2 * i] != T(0) ? T(0.75) * c + T(0.25) * l : T(0);
+        out[2 * i + 1] += inv[2 * i + 1] != T(0) ? T(0.75) * c + T(0.25) * r : T(0);
+      }
+      if (nx > 1) add(nx - 1, line(nx - 2), line(nx - 1), right);
+      if (periodic) wrap_row(out, 2 * nx);
+    }
+  }
+}
+
+}  // namespace hourglass

@@ -1,0 +1,138 @@
+#include "solver/diagnostics.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace hourglass {
+namespace {
+
+double cell_speed(const Fields& f, int i, int j) {
+  return std::hypot(0.5 * (f.u(i, j) + f.u(i + 1, j)), 0.5 * (f.v(i, j) + f.v(i, j + 1)));
+}
+
+}  // namespace
+
+std::vector<double> masses_by_material(const Scene& scene, const Fields& fields, int threads) {
+  const int nx = fields.p.nx(), ny = fields.p.ny();
+  const double area = fields.patch().h * fields.patch().h;
+  std::vector<double> volumes;
+  std::vector<const CellField*> phases{&fields.grains};
+  for (const CellField& t : fields.tracers) phases.push_back(&t);
+  RowSums sums(ny);
+  for (const CellField* phase : phases) {
+    parallel(threads, [&](Team& team) {
+      const Rows rows = team.rows(ny);
+      for (int j = rows.begin; j < rows.end; ++j) {
+        const double* c = phase->row(j);
+        double s = 0;
+#pragma omp simd reduction(+ : s)
+        for (int i = 0; i < nx; ++i) s += c[i];
+        sums[j] = s;
+      }
+    });
+    volumes.push_back(sums.sum() * area);
+  }
+  for (std::size_t k = 1; k < volumes.size(); ++k) volumes[0] -= volumes[k];
+  for (std::size_t k = 0; k < volumes.size(); ++k) volumes[k] *= scene.materials[k].density;
+  return volumes;
+}
+
+double slow_fraction(const Fields& fields, double speed, int threads) {
+  const int nx = fields.p.nx(), ny = fields.p.ny();
+  RowSums slow(ny), all(ny);
+  parallel(threads, [&](Team& team) {
+    const Rows rows = team.rows(ny);
+    for (int j = rows.begin; j < rows.end; ++j) {
+      double s = 0, a = 0;
+      for (int i = 0; i < nx; ++i) {
+        const double c = fields.grains(i, j);
+        a += c;
+        if (c > 0 && cell_speed(fields, i, j) < speed) s += c;
+      }
+      slow[j] = s;
+      all[j] = a;
+    }
+  });
+  const double total = all.sum();
+  return total > 0 ? slow.sum() / total : 0;
+}
+
+double fastest_grains(const Fields& fields, int threads) {
+  const int nx = fields.p.nx(), ny = fields.p.ny();
+  RowSums fastest(ny);
+  parallel(threads, [&](Team& team) {
+    const Rows rows = team.rows(ny);
+    for (int j = rows.begin; j < rows.end; ++j) {
+      double m = 0;
+      for (int i = 0; i < nx; ++i)
+        if (fields.grains(i, j) >= 0.5) m = std::max(m, cell_speed(fields, i, j));
+      fastest[j] = m;
+    }
+  });
+  return fastest.max();
+}
+
+std::string not_finite(const Fields& fields) {
+  for (int j = 0; j < fields.p.ny(); ++j)
+    for (int i = 0; i < fields.p.nx(); ++i) {
+      const char* name = !std::isfinite(fields.p(i, j))   ? "pressure"
+                         : !std::isfinite(fields.u(i, j)) ? "velocity u"
+                         : !std::isfinite(fields.v(i, j)) ? "velocity v"
+                                                          : nullptr;
+      if (name) return fmt::format("{} is not a number in cell ({}, {})", name, i, j);
+    }
+  return {};
+}
+
+std::vector<double> mass_through(const Scene& scene, const Vof& vof, Side side, FaceRange faces, const Patch& patch) {
+  const double area = patch.h * patch.h;
+  std::vector<double> out(scene.materials.size());
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    double volume = 0;
+    for (int f = faces.first; f < faces.last; ++f) switch (side) {
+        case Side::left: volume -= vof.flux_x(static_cast<int>(k))(0, f); break;
+        case Side::right: volume += vof.flux_x(static_cast<int>(k))(patch.nx, f); break;
+        case Side::bottom: volume -= vof.flux_y(static_cast<int>(k))(f, 0); break;
+        case Side::top: volume += vof.flux_y(static_cast<int>(k))(f, patch.ny); break;
+      }
+    out[k] = volume * area;
+  }
+  for (std::size_t k = 1; k < out.size(); ++k) out[0] -= out[k];
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] *= scene.materials[k].density;
+  return out;
+}
+
+double start_up_time(const Scene& scene) {
+  double widest = 0;
+  for (const Orifice& o : scene.orifices) widest = std::max(widest, o.width);
+  const double g = std::hypot(scene.gravity[0], scene.gravity[1]);
+  return g > 0 ? 2.5 * std::sqrt(widest / g) : 0;
+}
+
+DischargeWindow discharge(const Scene& scene, const std::vector<std::array<double, 2>>& samples) {
+  DischargeWindow window;
+  if (samples.size() < 2) return window;
+  const double end = samples.back()[0], first_mass = samples.front()[1];
+  double from = start_up_time(scene);
+  if (from > 0.5 * end) from = 0.5 * end;  // a short run: its second half
+  double n = 0, st = 0, sm = 0, stt = 0, stm = 0;
+  window.from = from;
+  for (const auto& [t, m] : samples) {
+    // An almost empty silo no longer discharges at its own rate.
+    if (t < from || m < 0.3 * first_mass) continue;
+    const double x = t - from, y = m - first_mass;
+    n += 1;
+    st += x;
+    sm += y;
+    stt += x * x;
+    stm += x * y;
+    window.to = t;
+  }
+  const double spread = n * stt - st * st;
+  if (n >= 2 && spread > 0) window.rate = -(n * stm - st * sm) / spread;
+  return window;
+}
+
+}  // namespace hourglass

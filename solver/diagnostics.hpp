@@ -1,0 +1,39 @@
+#pragma once
+// Figures of merit from fields. Masses are per unit depth [M]; sums are row by row in fixed order.
+#include <string>
+#include <vector>
+
+#include "solver/boundary_of.hpp"
+#include "solver/fields.hpp"
+#include "solver/scene.hpp"
+#include "solver/vof.hpp"
+
+namespace hourglass {
+
+/// Mass of each material in the domain; the sum is the mass of grains.
+std::vector<double> masses_by_material(const Scene& scene, const Fields& fields, int threads);
+
+/// Share of the grain volume that is slower than `speed`.
+double slow_fraction(const Fields& fields, double speed, int threads);
+
+/// Fastest cell-centred speed where grains fill at least half of the cell.
+double fastest_grains(const Fields& fields, int threads);
+
+/// Whether every velocity and pressure is a finite number; where not, the first place.
+std::string not_finite(const Fields& fields);
+
+/// Mass that left through a range of boundary faces in the last VOF step, by material, outward positive.
+std::vector<double> mass_through(const Scene& scene, const Vof& vof, Side side, FaceRange faces, const Patch& patch);
+
+/// Samples of mass over time, and the rate of its loss.
+struct DischargeWindow {
+  double rate = 0;  ///< least-squares slope of mass over time, negated [M/T]
+  double from = 0, to = 0;
+};
+DischargeWindow discharge(const Scene& scene, const std::vector<std::array<double, 2>>& time_and_mass);
+
+/// Time after which the discharge counts as developed: 2.5 sqrt(W/g), W the widest orifice (numerics P2: about two of
+/// the thesis's time units for its base scene).
+double start_up_time(const Scene& scene);
+
+}  // namespace hourglass

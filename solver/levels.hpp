@@ -1,0 +1,188 @@
+#pragma once
+// The multigrid levels of the two operators: coefficients, work fields and boundary on one patch.
+#include <vector>
+
+#include "kernels/poisson.hpp"
+#include "kernels/viscous.hpp"
+
+namespace hourglass {
+
+/// A residual of row k of the unknown: out = b - A x, by the operator's own row kernel.
+template <class Level>
+void residual_rows(Team& team, const Level& level, const typename Level::Unknown& x, const typename Level::Unknown& b,
+                   typename Level::Unknown& r) {
+  const Rows rows = team.rows(row_count(x));
+  for (int k = rows.begin; k < rows.end; ++k) {
+    auto out = row_of(r, k);
+    const auto rhs = row_of(b, k);
+    level.apply_row(x, k, out.data);
+#pragma omp simd
+    for (int i = 0; i < out.n; ++i) out.data[i] = rhs.data[i] - out.data[i];
+    level.mask(r, k);
+    level.wrap(r, k);
+  }
+  team.sync();
+}
+
+/// ∇·((1/ρ)∇q) = b on one patch.
+template <class T>
+class PoissonLevel {
+ public:
+  using Number = T;
+  using Unknown = CellFieldOf<T>;
+
+  PoissonLevel(const Patch& p, const Boundary& boundary, bool /*finest*/)
+      : a(p), x(p), b(p), r(p), boundary_(boundary) {}
+
+  PoissonCoefficients<T> a;
+  Unknown x, b, r;
+
+  const Boundary& boundary() const { return boundary_; }
+  void finish(Team& team) {
+    fill_inverse_diagonal(team, a);
+    team.sync();
+  }
+  void coarsen(Team& team, const PoissonLevel& fine) {
+    coarsen_poisson(team, fine.a, a);
+    team.sync();
+    finish(team);
+  }
+  void relax(Team& team, Unknown& q, const Unknown& rhs, bool reversed) const {
+    const Rows rows = team.rows(q.ny());
+    std::vector<T>& scratch = row_scratch(q.nx());
+    for (int pass = 0; pass < 2; ++pass) {
+      const int colour = reversed ? 1 - pass : pass;
+      for (int j = rows.begin; j < rows.end; ++j) {
+        relax_poisson_row(a, q, rhs, j, colour, scratch.data());
+        wrap(q, j);
+      }
+      team.sync();
+    }
+  }
+  void residual(Team& team, const Unknown& q, const Unknown& rhs, Unknown& out) const {
+    residual_rows(team, *this, q, rhs, out);
+  }
+  template <class X>
+  void apply_row(const CellFieldOf<X>& q, int k, X* out) const {
+    apply_poisson_row(a, q, k, out);
+  }
+  void restrict_from(Team& team, const Unknown& fine) {
+    restrict_poisson(team, fine, b);
+    team.sync();
+  }
+  void prolong_to(Team& team, PoissonLevel& fine) const {
+    prolong_poisson(team, x, boundary_, fine.x);
+    team.sync();
+  }
+  template <class X>
+  void wrap(CellFieldOf<X>& q, int k) const {
+    if (boundary_.periodic_x) wrap_row(q.row(k), q.nx());
+  }
+  template <class X>
+  void mask(CellFieldOf<X>&, int) const {}  // every cell is an unknown
+  bool fixed(int, int) const { return false; }
+  std::size_t bytes() const { return a.bytes() + x.bytes() + b.bytes() + r.bytes(); }
+
+  static std::vector<T>& row_scratch(int n) {
+    thread_local std::vector<T> scratch;
+    if (static_cast<int>(scratch.size()) < n) scratch.resize(n);
+    return scratch;
+  }
+
+ private:
+  Boundary boundary_;
+};
+
+/// ρ u - Δt ∇·(2ηD) = ρ u* on one patch.
+template <class T>
+class ViscousLevel {
+ public:
+  using Number = T;
+  using Unknown = VelocityOf<T>;
+
+  ViscousLevel(const Patch& p, const Boundary& boundary, bool /*finest*/)
+      : a(p), x(p), b(p), r(p), boundary_(boundary) {}
+
+  ViscousCoefficients<T> a;
+  Unknown x, b, r;
+
+  const Boundary& boundary() const { return boundary_; }
+  /// Halos and inverse diagonals, once eta_c, eta_n and mass are set. Synced on return.
+  void finish(Team& team) {
+    if (boundary_.periodic_x) {
+      const int nx = a.eta_c.nx(), ny = a.eta_c.ny();
+      const Rows rows = team.rows(ny + 1);
+      for (int j = rows.begin; j < rows.end; ++j) {
+        if (j < ny) {
+          wrap_row(a.eta_c.row(j), nx);
+          wrap_row(a.mass.u.row(j), nx);
+        }
+        wrap_row(a.eta_n.row(j), nx);
+        wrap_row(a.mass.v.row(j), nx);
+      }
+      team.sync();
+    }
+    fill_inverse_diagonal(team, boundary_, a);
+    team.sync();
+  }
+  void coarsen(Team& team, const ViscousLevel& fine) {
+    coarsen_viscous(team, fine.a, boundary_.periodic_x, a);
+    team.sync();
+    finish(team);
+  }
+  void relax(Team& team, Unknown& w, const Unknown& rhs, bool reversed) const {
+    const int ny = a.eta_c.ny();
+    const Rows rows = team.rows(ny);
+    const int v_end = rows.end == ny ? ny + 1 : rows.end;
+    std::vector<T>& scratch = PoissonLevel<T>::row_scratch(a.eta_c.nx() + 1);
+    for (int pass = 0; pass < 4; ++pass) {
+      const int stage = reversed ? 3 - pass : pass, colour = stage % 2;
+      if (stage < 2) {
+        for (int j = rows.begin; j < rows.end; ++j) {
+          relax_u_row(a, w, rhs, j, colour, scratch.data());
+          if (boundary_.periodic_x) wrap_row(w.u.row(j), a.eta_c.nx());
+        }
+      } else {
+        for (int j = rows.begin; j < v_end; ++j) {
+          relax_v_row(a, w, rhs, j, colour, scratch.data());
+          if (boundary_.periodic_x) wrap_row(w.v.row(j), a.eta_c.nx());
+        }
+      }
+      team.sync();
+    }
+  }
+  void residual(Team& team, const Unknown& w, const Unknown& rhs, Unknown& out) const {
+    residual_rows(team, *this, w, rhs, out);
+  }
+  template <class X>
+  void apply_row(const VelocityOf<X>& w, int k, X* out) const {
+    apply_viscous_row(a, w, k, out);
+  }
+  void restrict_from(Team& team, const Unknown& fine) {
+    restrict_viscous(team, fine, boundary_, b);
+    team.sync();
+  }
+  void prolong_to(Team& team, ViscousLevel& fine) const {
+    prolong_viscous(team, x, boundary_, fine.a.inverse_diagonal, fine.x);
+    team.sync();
+  }
+  template <class X>
+  void wrap(VelocityOf<X>& w, int k) const {
+    if (boundary_.periodic_x) wrap_row(row_of(w, k).data, a.eta_c.nx());
+  }
+  /// Zero on fixed faces.
+  template <class X>
+  void mask(VelocityOf<X>& w, int k) const {
+    auto row = row_of(w, k);
+    const T* __restrict inv = row_of(a.inverse_diagonal, k).data;
+#pragma omp simd
+    for (int i = 0; i < row.n; ++i) row.data[i] = inv[i] != T(0) ? row.data[i] : X(0);
+  }
+  bool fixed(int k, int i) const { return row_of(a.inverse_diagonal, k).data[i] == T(0); }
+  std::size_t bytes() const { return a.bytes() + x.bytes() + b.bytes() + r.bytes(); }
+
+ private:
+  Boundary boundary_;
+};
+
+}  // namespace hourglass

@@ -1,0 +1,183 @@
+#pragma once
+// Multigrid over any operator. A Level offers: Unknown, Number; fields x (correction), b (right-hand side), r (residual);
+// relax(team, x, b, reversed), residual(team, x, b, r), apply_row, coarsen(team, fine level), finish(team),
+// restrict_from(team, fine residual), prolong_to(team, fine level), wrap(row index). It knows its stencil; this file does not.
+#include <Eigen/Dense>
+#include <Eigen/SparseCholesky>
+#include <vector>
+
+#include "kernels/boundary.hpp"
+#include "kernels/team.hpp"
+#include "kernels/velocity.hpp"
+
+namespace hourglass {
+
+/// Direct solve on the coarsest level. The matrix is read off the operator by unit vectors; the sparsity is found anew only
+/// when the operator's pattern may have changed, that is never.
+template <class Level>
+class CoarsestSolve {
+ public:
+  void factor(Level& level) {
+    using T = typename Level::Number;
+    auto& x = level.x;
+    const int rows = row_count(x);
+    if (offsets_.empty()) {
+      int n = 0;
+      for (int k = 0; k < rows; ++k) {
+        offsets_.push_back(n);
+        n += row_of(x, k).n;
+      }
+      offsets_.push_back(n);
+    }
+    const int n = offsets_.back();
+    std::vector<Eigen::Triplet<double>> entries;
+    std::vector<T> out(x.patch().nx + 1);
+    double largest = 0;
+    x.fill(T(0));
+    for (int k = 0; k < rows; ++k)
+      for (int i = 0; i < row_of(x, k).n; ++i) {
+        row_of(x, k).data[i] = T(1);
+        level.wrap(x, k);
+        const int column = offsets_[k] + i;
+        for (int m = std::max(0, k - 3); m <= std::min(rows - 1, k + 3); ++m) {
+          level.apply_row(x, m, out.data());
+          for (int c = 0; c < row_of(x, m).n; ++c)
+            if (out[c] != T(0)) entries.emplace_back(offsets_[m] + c, column, out[c]);
+        }
+        row_of(x, k).data[i] = T(0);
+        level.wrap(x, k);
+      }
+    Eigen::SparseMatrix<double> matrix(n, n);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    for (int i = 0; i < n; ++i) largest = std::max(largest, matrix.coeff(i, i));
+    // Fixed points get 1; a whisker on the diagonal makes the pure Neumann problem solvable.
+    for (int i = 0; i < n; ++i) {
+      const double d = matrix.coeff(i, i);
+      matrix.coeffRef(i, i) = d > 0 ? d * (1 + 1e-9) + 1e-30 * largest : 1;
+    }
+    matrix.makeCompressed();
+    solver_.compute(matrix);
+    rhs_.resize(n);
+  }
+
+  void solve(Level& level) {
+    auto& x = level.x;
+    const auto& b = level.b;
+    const int rows = row_count(x);
+    for (int k = 0; k < rows; ++k) {
+      const auto row = row_of(b, k);
+      for (int i = 0; i < row.n; ++i) rhs_[offsets_[k] + i] = level.fixed(k, i) ? 0 : row.data[i];
+    }
+    rhs_ = solver_.solve(rhs_);
+    for (int k = 0; k < rows; ++k) {
+      const auto row = row_of(x, k);
+      for (int i = 0; i < row.n; ++i)
+        row.data[i] = static_cast<typename Level::Number>(rhs_[offsets_[k] + i]);
+      level.wrap(x, k);
+    }
+  }
+
+ private:
+  std::vector<int> offsets_;
+  Eigen::VectorXd rhs_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+};
+
+template <class Level>
+class Multigrid {
+ public:
+  /// Halves the patch as long as both extents stay even and at least 2, down to about 16 cells.
+  Multigrid(const Patch& patch, const Boundary& boundary, int sweeps = 2) : sweeps_(sweeps) {
+    Patch p = patch;
+    Boundary b = boundary;
+    levels_.emplace_back(p, b, true);
+    while (p.nx % 2 == 0 && p.ny % 2 == 0 && p.nx >= 4 && p.ny >= 4 && p.cells() > 16) {
+      p = p.coarser();
+      b = b.coarser();
+      levels_.emplace_back(p, b, false);
+    }
+  }
+
+  Level& finest() { return levels_.front(); }
+  int depth() const { return static_cast<int>(levels_.size()); }
+
+  /// Builds the coarse levels from the finest one's coefficients. Call from every member; synced on return.
+  void coarsen(Team& team) { coarsen_below(team, 0); }
+
+  /// finest().x = M finest().b, one V-cycle from zero. Call from every member; synced on return.
+  void cycle(Team& team) { cycle(team, 0); }
+
+  std::size_t bytes() const {
+    std::size_t total = 0;
+    for (const Level& l : levels_) total += l.bytes();
+    return total;
+  }
+
+ private:
+  /// Below this a barrier costs more than the work that it shares out.
+  static constexpr long cells_for_one_member = 64 * 64;
+
+  bool serial(const Team& team, int l) const {
+    return team.size() > 1 && l > 0 && levels_[l].x.patch().cells() <= cells_for_one_member;
+  }
+
+  void coarsen_below(Team& team, int l) {
+    if (l + 1 == depth()) {
+      if (team.leads()) coarsest_.factor(levels_[l]);
+      team.sync();
+      return;
+    }
+    if (serial(team, l + 1)) {
+      if (team.leads()) {
+        Team alone;
+        descend(alone, l);
+      }
+      team.sync();
+      return;
+    }
+    descend(team, l);
+  }
+  void descend(Team& team, int l) {
+    levels_[l + 1].coarsen(team, levels_[l]);
+    coarsen_below(team, l + 1);
+  }
+
+  void cycle(Team& team, int l) {
+    if (serial(team, l)) {
+      if (team.leads()) {
+        Team alone;
+        cycle(alone, l);
+      }
+      team.sync();
+      return;
+    }
+    Level& level = levels_[l];
+    if (l + 1 == depth()) {
+      if (team.leads()) coarsest_.solve(level);
+      team.sync();
+      return;
+    }
+    zero(team, level.x);
+    for (int s = 0; s < sweeps_; ++s) level.relax(team, level.x, level.b, false);
+    level.residual(team, level.x, level.b, level.r);
+    levels_[l + 1].restrict_from(team, level.r);
+    cycle(team, l + 1);
+    levels_[l + 1].prolong_to(team, level);
+    for (int s = 0; s < sweeps_; ++s) level.relax(team, level.x, level.b, true);
+  }
+
+  static void zero(Team& team, typename Level::Unknown& x) {
+    const Rows rows = team.rows(row_count(x));
+    for (int k = rows.begin; k < rows.end; ++k) {
+      const auto row = row_of(x, k);
+      std::fill(row.data - 2, row.data + row.n + 2, typename Level::Number(0));
+    }
+    team.sync();
+  }
+
+  std::vector<Level> levels_;
+  CoarsestSolve<Level> coarsest_;
+  int sweeps_;
+};
+
+}  // namespace hourglass

@@ -1,0 +1,148 @@
+#include "solver/projection.hpp"
+
+#include <array>
+
+namespace hourglass {
+
+template <class T>
+Projection<T>::Projection(const Patch& patch, const Boundary& boundary)
+    : multigrid_(patch, boundary), krylov_(patch), q_(patch), rhs_(patch), largest_(patch.ny), speed_(patch.ny) {}
+
+template <class T>
+void Projection<T>::assemble(Team& team, const CellField& density) {
+  PoissonLevel<T>& level = multigrid_.finest();
+  const Boundary& boundary = level.boundary();
+  const int nx = density.nx(), ny = density.ny();
+  const Rows rows = team.rows(ny + 1);
+  for (int j = rows.begin; j < rows.end; ++j) {
+    if (j < ny) {
+      const double* rho = density.row(j);
+      T* __restrict b = level.a.beta.u.row(j);
+#pragma omp simd
+      for (int i = 0; i <= nx; ++i) b[i] = static_cast<T>(2 / (rho[i - 1] + rho[i]));
+      if (!boundary.periodic_x) {
+        b[0] = static_cast<T>(2 * boundary.left.open[j] / rho[0]);
+        b[nx] = static_cast<T>(2 * boundary.right.open[j] / rho[nx - 1]);
+      }
+    }
+    T* __restrict b = level.a.beta.v.row(j);
+    if (j > 0 && j < ny) {
+      const double *below = density.row(j - 1), *above = density.row(j);
+#pragma omp simd
+      for (int i = 0; i < nx; ++i) b[i] = static_cast<T>(2 / (below[i] + above[i]));
+    } else {
+      const SideFaces& side = j == 0 ? boundary.bottom : boundary.top;
+      const double* rho = density.row(j == 0 ? 0 : ny - 1);
+      for (int i = 0; i < nx; ++i) b[i] = static_cast<T>(2 * side.open[i] / rho[i]);
+    }
+  }
+  team.sync();
+  level.finish(team);
+  multigrid_.coarsen(team);
+}
+
+template <class T>
+void Projection<T>::add_gravity_and_pressure(Team& team, const CellField& p, std::array<double, 2> g, double dt,
+                                             Velocity& w) const {
+  const auto& beta = const_cast<Multigrid<PoissonLevel<T>>&>(multigrid_).finest().a.beta;
+  const double dt_h = dt / p.patch().h;
+  const Rows rows = team.rows(row_count(w));
+  for (int k = rows.begin; k < rows.end; ++k) {
+    auto row = row_of(w, k);
+    const T* __restrict b = row_of(beta, k).data;
+    const bool is_u = k % 2 == 0 && k / 2 < w.u.ny();
+    const double* pc = p.row(k / 2);
+    const double* pm = is_u ? pc - 1 : p.row(k / 2 - 1);
+    const double push = dt * g[is_u ? 0 : 1];
+    double* __restrict out = row.data;
+#pragma omp simd
+    for (int i = 0; i < row.n; ++i)
+      out[i] = b[i] != T(0) ? out[i] + (push - dt_h * static_cast<double>(b[i]) * (pc[i] - pm[i])) : 0;
+  }
+  team.sync();
+}
+
+template <class T>
+double Projection<T>::measure_divergence(Team& team, const Velocity& w) {
+  const Rows rows = team.rows(rhs_.ny());
+  for (int j = rows.begin; j < rows.end; ++j) {
+    const double *u = w.u.row(j), *vs = w.v.row(j), *vn = w.v.row(j + 1);
+    double* __restrict out = rhs_.row(j);
+    double m = 0, fastest = 0, check = 0;
+    const int n = rhs_.nx();
+#pragma omp simd reduction(max : m, fastest) reduction(+ : check)
+    for (int i = 0; i < n; ++i) {
+      out[i] = -((u[i + 1] - u[i]) + (vn[i] - vs[i]));
+      m = std::max(m, std::abs(out[i]));
+      fastest = std::max(fastest, std::max(std::abs(u[i]), std::abs(vs[i])));
+      check += out[i];
+    }
+    largest_[j] = std::isfinite(check) ? m : check;
+    speed_[j] = fastest;
+  }
+  team.sync();
+  const double result = largest_.max();
+  team.sync();
+  return result;
+}
+
+template <class T>
+double Projection<T>::max_divergence(Team& team, const Velocity& w, double dt) {
+  return measure_divergence(team, w) * dt / q_.patch().h;
+}
+
+template <class T>
+SolveStats Projection<T>::solve(Team& team, double dt, double tolerance, int max_iterations, Velocity& w, CellField& p) {
+  PoissonLevel<T>& level = multigrid_.finest();
+  const Boundary& boundary = level.boundary();
+  const double to_div = dt / q_.patch().h;
+  measure_divergence(team, w);
+  const Rows rows = team.rows(q_.ny());
+  for (int j = rows.begin; j < rows.end; ++j) std::fill(q_.row(j) - halo, q_.row(j) + q_.nx() + halo, 0.0);
+  team.sync();
+  const double floor = 64 * 2.2e-16 * speed_.max();
+  const StopRule rule{Measure::maximum, std::max(tolerance / to_div, floor), max_iterations};
+  SolveStats stats = krylov_.solve(team, multigrid_, rhs_, q_, rule);
+  stats.initial *= to_div;
+  stats.final *= to_div;
+  stats.tolerance *= to_div;
+
+  // A closed box knows p up to a constant: mean 0 of what is added.
+  double mean = 0;
+  if (!boundary.any_open()) {
+    for (int j = rows.begin; j < rows.end; ++j) {
+      double s = 0;
+      for (int i = 0; i < q_.nx(); ++i) s += q_(i, j);
+      speed_[j] = s;
+    }
+    team.sync();
+    mean = speed_.sum() / static_cast<double>(q_.patch().cells());
+  }
+
+  const Rows faces = team.rows(row_count(w));
+  for (int k = faces.begin; k < faces.end; ++k) {
+    auto row = row_of(w, k);
+    const T* __restrict b = row_of(level.a.beta, k).data;
+    const bool is_u = k % 2 == 0 && k / 2 < w.u.ny();
+    const double* qc = q_.row(k / 2);
+    const double* qm = is_u ? qc - 1 : q_.row(k / 2 - 1);
+    double* __restrict out = row.data;
+#pragma omp simd
+    for (int i = 0; i < row.n; ++i) out[i] -= static_cast<double>(b[i]) * (qc[i] - qm[i]);
+    if (boundary.periodic_x) wrap_row(row.data, q_.nx());
+  }
+  const double to_p = q_.patch().h / dt;
+  for (int j = rows.begin; j < rows.end; ++j) {
+    const double* q = q_.row(j);
+    double* out = p.row(j);
+    for (int i = 0; i < q_.nx(); ++i) out[i] += to_p * (q[i] - mean);
+    if (boundary.periodic_x) wrap_row(out, q_.nx());
+  }
+  team.sync();
+  return stats;
+}
+
+template class Projection<float>;
+template class Projection<double>;
+
+}  // namespace hourglass

@@ -1,0 +1,224 @@
+// One step of the incompressible two-phase equations, time levels n -> n+1 (docs/theory.md):
+//
+//   c^{n+1}: ∂t c + ∇·(c u^n) = 0                           geometric VOF; its fluxes carry mass, momentum and tracers
+//   η = c η_grains(|γ̇(u^n)|, p^n) + (1 - c) η_air           at c^{n+1}
+//   u*  = u^n - Δt u^n·∇u^n + Δt (g - β ∇p^n)                β = 1/ρ^{n+1}
+//   ρ u** - Δt ∇·(2 η D(u**)) = ρ u*                         implicit, u and v coupled
+//   u^{n+1} = u** - Δt β ∇δp,  ∇·u^{n+1} = 0,  p^{n+1} = p^n + δp
+#include "solver/step.hpp"
+
+#include "kernels/momentum.hpp"
+#include "solver/projection.hpp"
+#include "solver/viscous_solve.hpp"
+
+namespace hourglass {
+namespace {
+
+template <class T>
+class StepperOf final : public Stepper {
+ public:
+  StepperOf(const Scene& scene, const Boundary& boundary, int threads)
+      : scene_(scene), boundary_(boundary), threads_(threads), patch_(scene.patch()),
+        vof_(patch_, static_cast<int>(scene.materials.size()), {boundary.periodic_x}),
+        rheology_(scene, patch_, boundary), mass_(patch_), eta_(patch_), star_(patch_), velocity_(patch_),
+        viscous_(patch_, boundary), projection_(patch_, boundary) {}
+
+  void step(Fields& fields, double dt, bool x_first, Timers& timers, StepReport& report) override {
+    timers.time("vof", [&] { vof_.advect(fields, dt, x_first, threads_); });
+    timers.time("mass", [&] { transport_mass(fields, dt); });
+    timers.time("rheology", [&] {
+      const LimitCounts counts = rheology_.update(fields, threads_, eta_);
+      report.capped_cells = counts.capped;
+      report.floored_cells = counts.floored;
+    });
+    timers.time("momentum", [&] { predict_momentum(fields, dt); });
+    timers.time("viscous", [&] { report.viscous = solve_viscous(fields, dt); });
+    timers.time("projection", [&] { report.pressure = project_velocity(fields, dt); });
+    report.max_divergence = report.pressure.final;
+  }
+
+  void hydrostatic(Fields& fields) override {
+    transport_mass(fields, 0);
+    parallel(threads_, [&](Team& team) {
+      // ∇·(β ∇p) = ∇·g is the projection of g Δt from p = 0; Δt = 1 keeps the units.
+      projection_.assemble(team, mass_.density);
+      const Rows rows = team.rows(row_count(velocity_));
+      for (int k = rows.begin; k < rows.end; ++k) {
+        auto row = row_of(velocity_, k);
+        std::fill(row.data, row.data + row.n, 0.0);
+      }
+      team.sync();
+      projection_.add_gravity_and_pressure(team, fields.p, scene_.gravity, 1, velocity_);
+      projection_.solve(team, 1, 1e-13, scene_.accuracy.max_iterations, velocity_, fields.p);
+    });
+  }
+
+  SolveStats project(Fields& fields, double dt) override {
+    transport_mass(fields, 0);
+    SolveStats stats;
+    parallel(threads_, [&](Team& team) {
+      copy_velocity(team, fields, velocity_);
+      projection_.assemble(team, mass_.density);
+      projection_.add_gravity_and_pressure(team, fields.p, {0, 0}, 0, velocity_);  // zeroes walls
+      const SolveStats s = projection_.solve(team, dt, scene_.accuracy.pressure_tolerance,
+                                             scene_.accuracy.max_iterations, velocity_, fields.p);
+      store_velocity(team, fields);
+      if (team.leads()) stats = s;
+    });
+    fill_velocity_halo(boundary_, fields.u, fields.v);
+    return stats;
+  }
+
+  const Vof& vof() const override { return vof_; }
+  const RheologyStage& rheology() const override { return rheology_; }
+  const CellField& viscosity() const override { return eta_; }
+  std::vector<std::pair<std::string, std::size_t>> memory() const override {
+    return {{"volume of fluid", vof_.bytes()},
+            {"mass transport", mass_.bytes()},
+            {"rheology", rheology_.bytes() + eta_.bytes()},
+            {"momentum", star_.bytes() + velocity_.bytes()},
+            {"viscous solve", viscous_.bytes()},
+            {"projection", projection_.bytes()}};
+  }
+
+ private:
+  /// Density at n+1 and the mass that VOF carried through each face.
+  void transport_mass(const Fields& fields, double dt) {
+    const int nx = patch_.nx, ny = patch_.ny;
+    const double air = scene_.air.density, dt_h = dt / patch_.h;
+    const int tracers = static_cast<int>(fields.tracers.size());
+    std::vector<double> excess;  // of each material over material 0
+    for (const Material& m : scene_.materials) excess.push_back(m.density - scene_.materials[0].density);
+    const double grains = scene_.materials[0].density - air;
+    // rho = air + grains c + Σ excess_k f_k, and so for the fluxes.
+    parallel(threads_, [&](Team& team) {
+      const Rows rows = team.rows(ny + 1);
+      const auto mix = [&](int n, double* out, const double* volume, double scale, const double* c, auto tracer_row) {
+#pragma omp simd
+        for (int i = 0; i < n; ++i) out[i] = air * (volume ? volume[i] * scale : 1.0) + grains * c[i];
+        for (int k = 0; k < tracers; ++k)
+          if (excess[k + 1] != 0) {
+            const double* f = tracer_row(k);
+            for (int i = 0; i < n; ++i) out[i] += excess[k + 1] * f[i];
+          }
+      };
+      for (int j = rows.begin; j < rows.end; ++j) {
+        if (j < ny) {
+          mix(nx, mass_.density.row(j), nullptr, 1, fields.grains.row(j), [&](int k) { return fields.tracers[k].row(j); });
+          if (dt > 0)
+            mix(nx + 1, mass_.x.row(j), fields.u.row(j), dt_h, vof_.flux_x(0).row(j),
+                [&](int k) { return vof_.flux_x(k + 1).row(j); });
+          if (boundary_.periodic_x) wrap_row(mass_.x.row(j), nx);
+        }
+        if (dt > 0)
+          mix(nx, mass_.y.row(j), fields.v.row(j), dt_h, vof_.flux_y(0).row(j),
+              [&](int k) { return vof_.flux_y(k + 1).row(j); });
+        if (boundary_.periodic_x) wrap_row(mass_.y.row(j), nx);
+      }
+      team.sync();
+      if (team.leads()) fill_cell_halo(boundary_, mass_.density);
+      team.sync();
+      const Rows cells = team.rows(ny);
+      for (int j = cells.begin; j < cells.end; ++j) {
+        uniform_density_row(mass_.density, j, mass_.uniform.row(j));
+        if (boundary_.periodic_x) wrap_row(mass_.uniform.row(j), nx);
+      }
+    });
+  }
+
+  /// star_ = u*, velocity_ = u^n as the viscous solve's first guess.
+  void predict_momentum(const Fields& fields, double dt) {
+    parallel(threads_, [&](Team& team) {
+      projection_.assemble(team, mass_.density);
+      const int nx = patch_.nx, ny = patch_.ny;
+      const double dt_h = dt / patch_.h;
+      thread_local std::vector<double> scratch, advected;
+      scratch.resize(2 * (nx + 6));
+      advected.resize(nx + 1);
+      copy_velocity(team, fields, velocity_);
+      const Rows rows = team.rows(row_count(velocity_));
+      for (int k = rows.begin; k < rows.end; ++k) {
+        const int j = k / 2;
+        const double* old = row_of(velocity_, k).data;
+        auto out = row_of(star_, k);
+        if (k % 2 == 0 && j < ny) {
+          advect_u_row(fields.u, fields.v, mass_, dt_h, j, scratch.data(), advected.data());
+          const double* rho = mass_.density.row(j);
+#pragma omp simd
+          for (int i = 0; i <= nx; ++i) out.data[i] = old[i] - 2 * advected[i] / (rho[i - 1] + rho[i]);
+        } else {
+          advect_v_row(fields.u, fields.v, mass_, dt_h, j, scratch.data(), advected.data());
+          // Half a control volume at a boundary: the halo's density is a copy, so halve the sum there.
+          const double share = j == 0 || j == ny ? 0.5 : 1.0;
+          const double *below = mass_.density.row(j - 1), *above = mass_.density.row(j);
+#pragma omp simd
+          for (int i = 0; i < nx; ++i) out.data[i] = old[i] - 2 * advected[i] / (share * (below[i] + above[i]));
+        }
+      }
+      team.sync();
+      projection_.add_gravity_and_pressure(team, fields.p, scene_.gravity, dt, star_);
+    });
+  }
+
+  SolveStats solve_viscous(const Fields&, double dt) {
+    SolveStats stats;
+    const double g = std::hypot(scene_.gravity[0], scene_.gravity[1]);
+    parallel(threads_, [&](Team& team) {
+      viscous_.assemble(team, eta_, scene_.rheology.corner_mean == CornerMean::harmonic, mass_.density, dt);
+      const SolveStats s = viscous_.solve(team, star_, velocity_, scene_.accuracy.viscous_tolerance, g * dt,
+                                          scene_.accuracy.max_iterations);
+      if (team.leads()) stats = s;
+    });
+    return stats;
+  }
+
+  SolveStats project_velocity(Fields& fields, double dt) {
+    SolveStats stats;
+    parallel(threads_, [&](Team& team) {
+      const SolveStats s = projection_.solve(team, dt, scene_.accuracy.pressure_tolerance,
+                                             scene_.accuracy.max_iterations, velocity_, fields.p);
+      store_velocity(team, fields);
+      if (team.leads()) stats = s;
+    });
+    fill_velocity_halo(boundary_, fields.u, fields.v);
+    return stats;
+  }
+
+  void copy_velocity(Team& team, const Fields& fields, Velocity& to) const {
+    const Rows rows = team.rows(patch_.ny + 1);
+    for (int j = rows.begin; j < rows.end; ++j) {
+      if (j < patch_.ny) std::copy(fields.u.row(j), fields.u.row(j) + patch_.nx + 1, to.u.row(j));
+      std::copy(fields.v.row(j), fields.v.row(j) + patch_.nx, to.v.row(j));
+    }
+    team.sync();
+  }
+  void store_velocity(Team& team, Fields& fields) const {
+    const Rows rows = team.rows(patch_.ny + 1);
+    for (int j = rows.begin; j < rows.end; ++j) {
+      if (j < patch_.ny) std::copy(velocity_.u.row(j), velocity_.u.row(j) + patch_.nx + 1, fields.u.row(j));
+      std::copy(velocity_.v.row(j), velocity_.v.row(j) + patch_.nx, fields.v.row(j));
+    }
+    team.sync();
+  }
+
+  const Scene& scene_;
+  const Boundary& boundary_;
+  const int threads_;
+  const Patch patch_;
+  Vof vof_;
+  RheologyStage rheology_;
+  MassTransport mass_;
+  CellField eta_;
+  Velocity star_, velocity_;
+  ViscousSolve<T> viscous_;
+  Projection<T> projection_;
+};
+
+}  // namespace
+
+std::unique_ptr<Stepper> make_stepper(const Scene& scene, const Boundary& boundary, int threads) {
+  if (scene.accuracy.precision == Precision::full) return std::make_unique<StepperOf<double>>(scene, boundary, threads);
+  return std::make_unique<StepperOf<float>>(scene, boundary, threads);
+}
+
+}  // namespace hourglass

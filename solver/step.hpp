@@ -1,0 +1,35 @@
+#pragma once
+// One time step, n -> n+1. The choice of precision is made once, here.
+#include <memory>
+
+#include "kernels/boundary.hpp"
+#include "solver/fields.hpp"
+#include "solver/rheology.hpp"
+#include "solver/scene.hpp"
+#include "solver/simulation.hpp"
+#include "solver/timers.hpp"
+#include "solver/vof.hpp"
+
+namespace hourglass {
+
+class Stepper {
+ public:
+  virtual ~Stepper() = default;
+
+  /// Advances fields by dt. in: fields with velocity halos; out: the same at n+1. Fills the solver part of the report.
+  virtual void step(Fields& fields, double dt, bool x_first, Timers& timers, StepReport& report) = 0;
+  /// Pressure that holds the present densities still against gravity, where walls allow it.
+  virtual void hydrostatic(Fields& fields) = 0;
+  /// Projects the velocity in fields, at any density.
+  virtual SolveStats project(Fields& fields, double dt) = 0;
+
+  virtual const Vof& vof() const = 0;
+  virtual const RheologyStage& rheology() const = 0;
+  virtual const CellField& viscosity() const = 0;
+  virtual std::vector<std::pair<std::string, std::size_t>> memory() const = 0;
+};
+
+/// For Scene::accuracy.precision.
+std::unique_ptr<Stepper> make_stepper(const Scene& scene, const Boundary& boundary, int threads);
+
+}  // namespace hourglass

@@ -1,0 +1,56 @@
+#include "solver/time_step.hpp"
+
+#include <cmath>
+
+namespace hourglass {
+
+const char* name_of(DtLimit limit) {
+  switch (limit) {
+    case DtLimit::dt_max: return "dt_max";
+    case DtLimit::cfl: return "cfl";
+    case DtLimit::cfl_air: return "cfl_air";
+    case DtLimit::gravity: return "gravity";
+    case DtLimit::end: return "end";
+  }
+  return "";
+}
+
+FastestCells fastest_cells(const Fields& fields, int threads) {
+  const int nx = fields.p.nx(), ny = fields.p.ny();
+  RowSums near(ny), air(ny);
+  parallel(threads, [&](Team& team) {
+    const Rows rows = team.rows(ny);
+    for (int j = rows.begin; j < rows.end; ++j) {
+      const double *u = fields.u.row(j), *vs = fields.v.row(j), *vn = fields.v.row(j + 1);
+      const double *c = fields.grains.row(j), *below = fields.grains.row(j - 1), *above = fields.grains.row(j + 1);
+      double grains = 0, free = 0, check = 0;
+#pragma omp simd reduction(max : grains, free) reduction(+ : check)
+      for (int i = 0; i < nx; ++i) {
+        const double speed =
+            std::max(std::abs(u[i]), std::abs(u[i + 1])) + std::max(std::abs(vs[i]), std::abs(vn[i]));
+        const double any = (c[i - 1] + c[i] + c[i + 1]) + (below[i] + above[i]);
+        grains = std::max(grains, any > 0 ? speed : 0.0);
+        free = std::max(free, any > 0 ? 0.0 : speed);
+        check += speed;
+      }
+      near[j] = std::isfinite(check) ? grains : check;
+      air[j] = free;
+    }
+  });
+  return {near.max(), air.max()};
+}
+
+TimeStep choose_time_step(const Scene& scene, const FastestCells& fastest, double h, double t_left) {
+  TimeStep best{scene.time.dt_max, DtLimit::dt_max};
+  const auto limit = [&](double dt, DtLimit by) {
+    if (dt < best.dt) best = {dt, by};
+  };
+  const double g = std::hypot(scene.gravity[0], scene.gravity[1]);
+  if (fastest.near_grains > 0) limit(scene.time.cfl * h / fastest.near_grains, DtLimit::cfl);
+  if (fastest.air > 0) limit(0.9 * h / fastest.air, DtLimit::cfl_air);
+  if (g > 0) limit(std::sqrt(scene.time.cfl * h / g), DtLimit::gravity);
+  limit(t_left, DtLimit::end);
+  return best;
+}
+
+}  // namespace hourglass

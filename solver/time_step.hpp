@@ -1,0 +1,26 @@
+#pragma once
+// Honest limits of the time step, and which one ruled.
+#include "kernels/team.hpp"
+#include "solver/fields.hpp"
+#include "solver/scene.hpp"
+#include "solver/simulation.hpp"
+
+namespace hourglass {
+
+/// Largest |u| + |v| over the faces of a cell [L/T].
+struct FastestCells {
+  double near_grains = 0;  ///< in cells that hold grains or touch one that does
+  double air = 0;          ///< elsewhere
+};
+FastestCells fastest_cells(const Fields& fields, int threads);
+
+struct TimeStep {
+  double dt;
+  DtLimit limit;
+};
+
+/// dt_max; cfl h / speed near grains (geometric VOF keeps the shares in [0, 1] for cfl <= 1/2); 0.9 h / speed in air (upwind
+/// advection); sqrt(cfl h / g), so that free fall from rest keeps to the cfl; what is left to `t_limit`.
+TimeStep choose_time_step(const Scene& scene, const FastestCells& fastest, double h, double t_left);
+
+}  // namespace hourglass
