@@ -1,7 +1,7 @@
 # shellcheck shell=bash disable=SC2154
 # Sourced by ./hourglass and ./check, which set `root`: all that stands between a fresh Debian and a built tree.
 # What the tools say goes to the log; what the user has to know goes to stderr. Standard output is not touched.
-me=$(basename "$0")
+me=$(basename "$(readlink -f "$0")")
 log=$root/build/$me.log
 
 say() { echo "$me: $*" >&2; }
@@ -69,3 +69,4 @@ build() {
 mkdir -p "$root/build"
 exec 9>"$root/build/lock"
 flock -n 9 || { say "waiting for another build to finish"; flock 9; }
+: >"$log"
