@@ -26,6 +26,7 @@ class SceneReader {
   struct Finding {
     const YamlNode* node;  // where
     std::string path, message;
+    bool value_lost = true;  // the scene holds NaN or a default instead
   };
 
   explicit SceneReader(const YamlNode& root) { levels_.push_back({&root, &root, "", {}, {}, true}); }
@@ -134,7 +135,10 @@ class SceneReader {
     values.clear();
     if (!node || node->kind == Kind::null) return;
     if (node->kind != Kind::map) return wrong_type(*node, key, "a map of names, e.g. sand: {mu_s: 0.62}");
+    std::vector<std::string> names;
     for (const auto& [name, item] : node->keys) {
+      if (contains(names, name)) continue;  // finish() reports it
+      names.push_back(name);
       values.emplace_back();
       values.back().name = name;
       enter_item(item, join(join(here().path, key), name), [&] { body(values.back()); });
@@ -198,14 +202,14 @@ class SceneReader {
     leave();
     for (const Unknown& u : unknown_) {
       const std::string key = u.path.substr(u.path.rfind('.') + 1), near = nearest(key, u.allowed);
-      const auto elsewhere = std::find_if(
-          known_paths_.begin(), known_paths_.end(),
-          [&](const std::string& path) { return path.size() > key.size() && path.ends_with("." + key); });
+      const auto elsewhere =
+          std::find_if(known_paths_.begin(), known_paths_.end(),
+                       [&](const std::string& path) { return key.size() > 1 && path.ends_with("." + key); });
+      const std::string meant = !near.empty() ? near : elsewhere != known_paths_.end() ? *elsewhere : "";
       findings.push_back({u.node, u.path,
-                          !near.empty() ? fmt::format("unknown key. Did you mean '{}'?", near)
-                          : elsewhere != known_paths_.end()
-                              ? fmt::format("unknown key. Did you mean '{}'?", *elsewhere)
-                              : fmt::format("unknown key (allowed here: {}).", listed(u.allowed))});
+                          meant.empty() ? fmt::format("unknown key (allowed here: {}).", listed(u.allowed))
+                                        : fmt::format("unknown key. Did you mean '{}'?", meant),
+                          false});
     }
     find_duplicates(root, "");
   }
@@ -342,7 +346,8 @@ class SceneReader {
       if (sorted[k].first == sorted[k - 1].first)
         findings.push_back({&node.keys[sorted[k].second].second, join(path, sorted[k].first),
                             fmt::format("is given twice, first on line {}. Keep one.",
-                                        node.keys[sorted[k - 1].second].second.line)});
+                                        node.keys[sorted[k - 1].second].second.line),
+                            false});
   }
 
   std::vector<Level> levels_;

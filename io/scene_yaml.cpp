@@ -152,12 +152,12 @@ Loaded load_scene(const std::filesystem::path& path, const std::vector<std::stri
   };
   for (const SceneReader::Finding& f : reader.findings) place(*f.node, f.path, f.message, true);
   for (const Problem& problem : check(scene)) {
-    const bool known =
+    const bool follows =  // from what is reported already
         std::any_of(reader.findings.begin(), reader.findings.end(), [&](const SceneReader::Finding& f) {
-          return f.path == problem.path || f.path.starts_with(problem.path + ".") ||
-                 problem.path.starts_with(f.path + ".");
+          return f.value_lost && (f.path == problem.path || f.path.starts_with(problem.path + ".") ||
+                                  problem.path.starts_with(f.path + "."));
         });
-    if (!known) place(nearest_node(root, problem.path), problem.path, problem.message, problem.fatal);
+    if (!follows) place(nearest_node(root, problem.path), problem.path, problem.message, problem.fatal);
   }
   std::stable_sort(placed.begin(), placed.end(),
                    [](const Placed& a, const Placed& b) { return a.line < b.line; });

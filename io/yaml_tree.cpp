@@ -7,6 +7,7 @@
 #include <yaml-cpp/parser.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <numeric>
 #include <optional>
@@ -116,18 +117,21 @@ void refuse_tabs_and_binary(const std::string& text) {
   }
 }
 
+/// Letters to add, drop, replace or swap with their neighbour; case does not count.
 std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
+  const auto same = [](char x, char y) {
+    return std::tolower(static_cast<unsigned char>(x)) == std::tolower(static_cast<unsigned char>(y));
+  };
+  std::vector<std::size_t> before, last, row(b.size() + 1);
   std::iota(row.begin(), row.end(), 0);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const bool same =
-          std::tolower(static_cast<unsigned char>(a[i])) == std::tolower(static_cast<unsigned char>(b[j]));
-      const std::size_t replaced = diagonal + !same;
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    before = std::move(last);
+    last = row;
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + !same(a[i - 1], b[j - 1])});
+      if (i > 1 && j > 1 && same(a[i - 1], b[j - 2]) && same(a[i - 2], b[j - 1]))
+        row[j] = std::min(row[j], before[j - 2] + 1);
     }
   }
   return row.back();
@@ -165,9 +169,10 @@ void assign(YamlNode& root, const std::string& path, YamlNode value) {
   origin.override_index = value.override_index;
   std::string walked;
   const std::vector<std::string> steps = split_path(path);
+  if (std::find(steps.begin(), steps.end(), "") != steps.end())
+    throw YamlError(0, "is not a dotted path (e.g. materials.sand.mu_s).");
   for (std::size_t k = 0; k < steps.size(); ++k) {
     const std::string& step = steps[k];
-    if (step.empty()) throw YamlError(0, "is not a dotted path (e.g. materials.sand.mu_s).");
     if (at->kind == YamlNode::Kind::null)
       at->kind = item_number(step) == 0 ? YamlNode::Kind::list : YamlNode::Kind::map;
     if (at->kind == YamlNode::Kind::scalar)
@@ -224,7 +229,7 @@ std::string what_is(const YamlNode& node) {
 }
 
 std::string shown(const std::string& text) {
-  constexpr std::size_t most = 60;
+  constexpr std::size_t most = 120;
   std::string out = text.substr(0, most);
   for (char& c : out)
     if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';

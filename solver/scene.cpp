@@ -221,7 +221,7 @@ void check_materials(const Scene& s, Problems& p) {
   const bool air =
       p.require(s.air.density > 0, "air.density", s.air.density, "> 0", "Use 1e-3 of the grains' density.");
   p.require(s.air.viscosity > 0, "air.viscosity", s.air.viscosity, "> 0");
-  if (air && !s.materials.empty() && s.air.density >= s.materials[0].density)
+  if (air && !s.materials.empty() && s.materials[0].density > 0 && s.air.density >= s.materials[0].density)
     p.warn("air.density",
            fmt::format("{} is not below the grains' density {}.", s.air.density, s.materials[0].density));
 }
@@ -355,6 +355,8 @@ void check_orifice(const Scene& s, std::size_t k, Problems& p) {
   } else if (cells < 2 - edge_tolerance) {
     p.error(path + ".width", fmt::format("the neck is {:.3g} cells wide (must be at least 2; use >= 8: {}).",
                                          cells, count_for(8)));
+  } else if (!coarsens(s.patch().nx, s.patch().ny)) {
+    return;  // the grid will change, and its cells with it
   } else if (!is_whole(low / h) || !is_whole(high / h)) {
     const double a = std::round(low / h) * h, b = std::max(std::round(high / h), std::round(low / h) + 2) * h;
     p.error(path, fmt::format(
@@ -422,15 +424,16 @@ void check_time(const Scene& s, Problems& p) {
             "Beyond 0.5 the volume of grains would not be kept.");
   p.require(t.dt_max > 0, "time.dt_max", t.dt_max, "> 0", "0.0548 sqrt(d/g) is the default.");
   p.require(t.max_steps >= 0, "time.max_steps", static_cast<double>(t.max_steps), ">= 0", "0 sets no limit.");
-  const auto fraction = [&](const std::optional<double>& value, const std::string& path) {
+  const bool leaves = grains_can_leave(s), discharges = !s.orifices.empty();
+  const auto fraction = [&](const std::optional<double>& value, const std::string& path, bool possible) {
     if (!value) return;
     p.require(*value > 0 && *value < 1, path, *value, "above 0, below 1");
-    if (!grains_can_leave(s))
-      p.warn(path, "never comes true: there is no orifice, and no open side lets grains leave.");
+    if (!possible)
+      p.warn(path, "never comes true: grains have no way out, or no orifice to discharge through.");
   };
-  fraction(s.stop.mass_below, "stop.mass_below");
-  fraction(s.stop.steady_discharge, "stop.steady_discharge");
-  const bool stops = (s.stop.mass_below || s.stop.steady_discharge) && grains_can_leave(s);
+  fraction(s.stop.mass_below, "stop.mass_below", leaves);
+  fraction(s.stop.steady_discharge, "stop.steady_discharge", discharges);
+  const bool stops = (s.stop.mass_below && leaves) || (s.stop.steady_discharge && discharges);
   if (t.end == 0 && t.max_steps == 0 && !stops)
     p.error("time",
             "nothing ends this run (one of time.end, time.max_steps, stop.mass_below, stop.steady_discharge; "
