@@ -6,6 +6,12 @@ string(ASCII 1 open)
 string(ASCII 2 close)
 string(ASCII 3 semicolon)
 
+# Cases run side by side, so each has a folder to itself: it starts there, and TMPDIR points there.
+get_filename_component(scratch ${ENTRIES} DIRECTORY)
+string(APPEND scratch /scratch/${SUITE})
+file(REMOVE_RECURSE ${scratch})
+
+set(number 0)
 set(entries "")
 foreach(label fast slow)
   if(label STREQUAL slow)
@@ -28,9 +34,12 @@ foreach(label fast slow)
     string(REPLACE "${close}" "]" name "${name}")
     string(REPLACE "${semicolon}" ";" name "${name}")
     string(REGEX REPLACE "([][,\"~\\\\])" "\\\\\\1" pattern "${name}")  # for Catch2 to read as plain text
+    math(EXPR number "${number} + 1")
+    file(MAKE_DIRECTORY ${scratch}/${number})
     string(APPEND entries
            "add_test([==[${SUITE}: ${name}]==] [==[${EXECUTABLE}]==] [==[${pattern}]==] -w NoTests)\n"
-           "set_tests_properties([==[${SUITE}: ${name}]==] PROPERTIES LABELS ${label} TIMEOUT ${timeout})\n")
+           "set_tests_properties([==[${SUITE}: ${name}]==] PROPERTIES LABELS ${label} TIMEOUT ${timeout}\n"
+           "  WORKING_DIRECTORY [==[${scratch}/${number}]==] ENVIRONMENT [==[TMPDIR=${scratch}/${number}]==])\n")
   endforeach()
 endforeach()
 file(WRITE ${ENTRIES} "${entries}")
