@@ -32,7 +32,7 @@ class Krylov {
 
   explicit Krylov(const Patch& patch)
       : p_(patch), q_(patch), sums_{RowSums(row_count(p_)), RowSums(row_count(p_)),
-                                                 RowSums(row_count(p_)), RowSums(row_count(p_))} {}
+                                                 RowSums(row_count(p_)), RowSums(row_count(p_)), RowSums(row_count(p_))} {}
 
   /// Solves A x = b to the rule from the guess in x. Coarse levels must be up to date. x: halo 0 or wrapped, 0 on fixed
   /// points; b is read on unknown points only. Call from every member: each returns the same statistics.
@@ -59,7 +59,7 @@ class Krylov {
     return stats;
   }
 
-  std::size_t bytes() const { return p_.bytes() + q_.bytes() + 4 * sums_[0].bytes(); }
+  std::size_t bytes() const { return p_.bytes() + q_.bytes() + 5 * sums_[0].bytes(); }
 
  private:
   /// The smallest reduction that the recursive residual is trusted with before the true one is taken again.
@@ -80,10 +80,10 @@ class Krylov {
       for (int i = 0; i < r.n; ++i) m = std::max(m, std::abs(static_cast<double>(r.data[i])));
       double check = 0;  // max() may drop a NaN, a sum does not
       for (int i = 0; i < r.n; ++i) check += r.data[i];
-      sums_[3][k] = std::isfinite(check) ? m : check;
+      sums_[4][k] = std::isfinite(check) ? m : check;
     }
     team.sync();
-    const double largest = sums_[3].max();
+    const double largest = sums_[4].max();
     team.sync();
     return largest;
   }
@@ -217,7 +217,8 @@ class Krylov {
   }
 
   Unknown p_, q_;
-  RowSums sums_[4];
+  /// One for each use, so that a member ahead never writes what another still reads.
+  RowSums sums_[5];
 };
 
 }  // namespace hourglass
