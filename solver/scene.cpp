@@ -382,8 +382,10 @@ void check_walls(const Scene& s, bool domain_sound, Problems& p) {
   for (std::size_t k = 0; k < s.orifices.size(); ++k) {
     const Orifice& o = s.orifices[k];
     const std::string path = fmt::format("orifices.{}", k);
+    bool sound = domain_sound && std::isfinite(o.centre);
     if (!std::isfinite(o.centre)) p.error(path + ".centre", fmt::format("{} is not finite.", o.centre));
-    if (p.require(o.width > 0, path + ".width", o.width, "> 0") && domain_sound) check_orifice(s, k, p);
+    sound &= p.require(o.width > 0, path + ".width", o.width, "> 0");
+    if (sound) check_orifice(s, k, p);
   }
 }
 

@@ -133,8 +133,8 @@ struct Scene {
   bool operator==(const Scene&) const = default;
 };
 
-/// What dimensional defaults are multiples of, from the first material and g = |gravity|. A default above is the
-/// multiple itself, which is right as it stands in grain units.
+/// What dimensional defaults are multiples of, from the first material and g = |gravity|. A default above is
+/// the multiple itself, which is right as it stands in grain units.
 struct Scales {
   double length = 1;     ///< d [L]
   double time = 1;       ///< sqrt(d/g) [T]
@@ -144,8 +144,8 @@ struct Scales {
 Scales scales(const Scene& scene);
 
 /// The inertial numbers [low, high] between which the mu(I) equations of a material are well posed; nullopt if
-/// there are none. Barker, Schaeffer, Bohorquez & Gray 2015, JFM 779:794: C = 4 nu^2 - 4 nu + mu^2 (1 - nu/2)^2
-/// <= 0 with nu = I mu'(I) / mu.
+/// there are none. Barker, Schaeffer, Bohorquez & Gray 2015, JFM 779:794:
+/// C = 4 nu^2 - 4 nu + mu^2 (1 - nu/2)^2 <= 0 with nu = I mu'(I) / mu.
 std::optional<std::array<double, 2>> well_posed_range(const Material& material);
 
 /// A thing wrong with a scene: the dotted path of the key, what is wrong with allowed range and cure.

@@ -1,0 +1,162 @@
+#!/usr/bin/env python3
+"""Runs hourglass as a user would, on bad input above all: exit status, messages, and that nothing is written."""
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+PROGRAM = os.path.abspath(sys.argv.pop(1))
+
+SCENE = {
+    "name": "name: test",
+    "domain": "domain: {width: 40, height: 40}",
+    "grid": "grid: {cells_x: 16}",
+    "materials": "materials: {sand: {mu_s: 0.32, delta_mu: 0.28, I_0: 0.4}}",
+    "fill": "fill: [{material: sand, box: {x: [0, 40], y: [0, 30]}}]",
+    "orifices": "orifices: [{wall: bottom, centre: 20, width: 20}]",
+    "time": "time: {end: 1}",
+    "output": "output: {fields_every: 0, snapshots_every: 0}",
+}
+LINE = {key: line for line, key in enumerate(SCENE, start=1)}
+
+
+class CommandLine(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def scene(self, **changed):
+        with open(self.path("scene.yaml"), "w") as file:
+            file.write("".join(line + "\n" for line in {**SCENE, **changed}.values() if line))
+
+    def hourglass(self, *arguments):
+        return subprocess.run([PROGRAM, *arguments], cwd=self.folder.name, capture_output=True, text=True, timeout=120)
+
+    def refuse(self, *arguments, says=()):
+        """The arguments must end in exit status 2, the words on stderr, and no new file."""
+        before = sorted(os.listdir(self.folder.name))
+        result = self.hourglass(*arguments)
+        self.assertEqual(result.returncode, 2, result.stdout + result.stderr)
+        for words in says:
+            self.assertIn(words, result.stderr)
+        self.assertEqual(sorted(os.listdir(self.folder.name)), before)
+        return result
+
+    def test_help_and_version(self):
+        for command in ([], ["run"], ["check"], ["render"]):
+            result = self.hourglass(*command, "--help")
+            self.assertEqual(result.returncode, 0)
+            self.assertIn("--help", result.stdout)
+        result = self.hourglass("--version")
+        self.assertEqual(result.returncode, 0)
+        for word in ("hourglass", "0.1.0"):
+            self.assertIn(word, result.stdout)
+
+    def test_wrong_command_lines(self):
+        self.scene()
+        self.refuse()
+        self.refuse("runn", "scene.yaml")
+        self.refuse("run")
+        self.refuse("run", "scene.yaml", "--frce", says=["--frce"])
+        self.refuse("run", "scene.yaml", "--threads", "many")
+        self.refuse("run", "scene.yaml", "--threads", "-1")
+        self.refuse("run", "scene.yaml", "--resume", says=["not in this version"])
+        self.refuse("render", "no_such_run")
+
+    def test_wrong_scenes(self):
+        self.refuse("run", "missing.yaml", says=["missing.yaml: no such file"])
+        cases = [  # key, its line in the scene, what must be said
+            ("domain", "domain: {width: 40", "not valid YAML"),
+            ("domain", "domain: {width: wide, height: 40}", "domain.width: found the text 'wide' (expected a number)"),
+            ("domain", "domain: {width: 0, height: 40}", "domain.width: 0 is out of range (must be > 0)"),
+            ("domain", "domain: {width: 40, height: -40}", "domain.height: -40 is out of range (must be > 0)"),
+            ("grid", "grid: {cells_x: 150}", "grid.cells_x: 150 x 150 cells can be halved only to 75 x 75"),
+            ("grid", "grid: {cels_x: 16, cells_x: 16}", "grid.cels_x: unknown key. Did you mean 'cells_x'?"),
+            ("materials", "materials: {}", "materials: there is no material"),
+            ("materials", "materials: {sand: {mu_s: -0.1}}", "materials.sand.mu_s: -0.1 is out of range (must be >= 0)"),
+            ("orifices", "orifices: [{wall: bottom, centre: 35, width: 20}]", "orifices.0.centre: the orifice reaches"),
+            ("orifices", "orifices: [{wall: bottom, centre: 20, width: 2.5}]", "orifices.0.width: the neck is 1 cells"),
+            ("time", "time: {cfl: 0.5}", "time: nothing ends this run"),
+        ]
+        for command in ("run", "check"):
+            for key, line, words in cases:
+                with self.subTest(command=command, line=line):
+                    self.scene(**{key: line})
+                    place = "" if "YAML" in words else f"scene.yaml:{LINE[key]} "
+                    self.refuse(command, "scene.yaml", says=["scene.yaml:", place + words])
+
+    def test_all_errors_at_once(self):
+        self.scene(domain="domain: {width: 0, height: 40}", time="time: {cfl: 2}", name="nme: test")
+        result = self.refuse("run", "scene.yaml", "--set", "threads=-1", "--set", "foo=1",
+                             says=["domain.width", "time.cfl", "nme: unknown key. Did you mean 'name'?",
+                                   "time: nothing ends", "--set threads=-1 threads", "--set foo=1 foo"])
+        self.assertEqual(len(result.stderr.splitlines()), 6)
+
+    def test_wrong_overrides(self):
+        self.scene()
+        self.refuse("run", "scene.yaml", "--set", "time.endd=3", says=["--set time.endd=3 time.endd: unknown key"])
+        self.refuse("run", "scene.yaml", "--set", "time.end", says=["--set time.end: expected path=value"])
+        self.refuse("run", "scene.yaml", "--set", "fill.5.material=air", says=["fill is a list of 1"])
+
+    def test_check(self):
+        self.scene()
+        result = self.hourglass("check", "scene.yaml", "--set", "orifices.0.width=10")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("warning: neck is 4 cells wide; use >= 8", result.stderr)
+        self.assertIn("16 x 16 cells", result.stdout)
+        self.assertIn("One projection of noise", result.stdout)
+        self.assertEqual(os.listdir(self.folder.name), ["scene.yaml"])
+
+    def test_run_once_and_only_once(self):
+        self.scene()
+        result = self.hourglass("run", "scene.yaml", "--quiet", "--threads", "1", "--set", "time.max_steps=3")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stdout, "")
+        folder = self.path("runs/test")
+        with open(os.path.join(folder, "summary.json")) as file:
+            summary = json.load(file)
+        self.assertEqual(summary["status"], "finished")
+        self.assertEqual(summary["steps"], 3)
+        self.assertEqual(summary["threads"], 1)
+
+        written = {name: os.stat(os.path.join(folder, name)).st_mtime_ns for name in os.listdir(folder)}
+        result = self.hourglass("run", "scene.yaml", "--set", "time.max_steps=2")
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertIn("--force", result.stderr)
+        self.assertEqual(written, {n: os.stat(os.path.join(folder, n)).st_mtime_ns for n in os.listdir(folder)})
+
+        result = self.hourglass("run", "scene.yaml", "--force", "--quiet", "--set", "time.max_steps=2")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        result = self.hourglass("run", "runs/test/scene.yaml", "--out", "again", "--quiet")  # runs as it is
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(self.path("again/scene.yaml")) as again, open(os.path.join(folder, "scene.yaml")) as first:
+            self.assertEqual(again.read(), first.read())
+
+    def test_signals_leave_a_complete_run(self):
+        for number, status in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
+            with self.subTest(signal=number):
+                self.scene(time="time: {end: 1e6}")
+                out = self.path(f"run_{status}")
+                process = subprocess.Popen([PROGRAM, "run", "scene.yaml", "--out", out, "--quiet"],
+                                           cwd=self.folder.name, stderr=subprocess.PIPE)
+                series = os.path.join(out, "series.csv")
+                for _ in range(600):
+                    if os.path.exists(series) and os.path.getsize(series) > 600:
+                        break
+                    time.sleep(0.1)
+                process.send_signal(number)
+                stderr = process.communicate(timeout=60)[1]
+                self.assertEqual(process.returncode, status, stderr)
+                with open(os.path.join(out, "summary.json")) as file:
+                    self.assertEqual(json.load(file)["status"], "interrupted")
+
+
+if __name__ == "__main__":
+    unittest.main()
