@@ -8,11 +8,11 @@ struct Provenance {
   std::string version;   ///< of hourglass
   std::string revision;  ///< git, with -dirty for uncommitted changes; "unknown" outside a checkout
   std::string compiler, flags, build_type;
-  int simd_bits = 0;     ///< width of the vectors that the compiler was allowed to use
+  int simd_bits = 0;  ///< width of the vectors that the compiler was allowed to use
   std::string host, cpu;
-  int cores = 0;         ///< that this process may run on
-  int threads = 0;       ///< that the run used
-  std::string date;      ///< ISO 8601 with offset
+  int cores = 0;     ///< that this process may run on
+  int threads = 0;   ///< that the run used
+  std::string date;  ///< ISO 8601 with offset
 };
 
 /// Of this program, here and now. threads = 0: as many as there are cores to run on.

@@ -1,6 +1,6 @@
 #pragma once
-// The folder that a run leaves behind: scene.yaml, run.log, series.csv, fields.h5 + fields.xdmf, snapshots/ and
-// summary.json (docs/output.md). Every file is complete up to the last row or frame at any time.
+// The folder that a run leaves behind: scene.yaml, run.log, series.csv, fields.h5 + fields.xdmf, snapshots/
+// and summary.json (docs/output.md). Every file is complete up to the last row or frame at any time.
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -22,9 +22,10 @@ std::filesystem::path default_run_folder(const std::string& scene_name);
 /// Writes and draws what Simulation::run tells it.
 class RunFolder : public Observer {
  public:
-  /// Makes the folder, writes scene.yaml and the head of run.log. Throws std::invalid_argument, having written
-  /// nothing, if the folder holds files of a run and `force` is off, or files that no run wrote stand in the
-  /// way. `force` removes only what a run of hourglass wrote. Throws std::runtime_error if writing fails.
+  /// Makes the folder, writes scene.yaml and the head of run.log. Throws std::invalid_argument, having
+  /// written nothing, if the folder holds files of a run and `force` is off, or files that no run wrote stand
+  /// in the way. `force` removes only what a run of hourglass wrote. Throws std::runtime_error if writing
+  /// fails.
   RunFolder(const Scene& scene, const std::string& resolved_yaml, const RunOptions& options,
             const std::vector<std::string>& warnings = {});
   ~RunFolder() override;

@@ -1,0 +1,92 @@
+#include "io/files.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+
+namespace hourglass {
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& path, int error) {
+  throw std::runtime_error(fmt::format("{}: {}", path.string(), std::strerror(error)));
+}
+
+class Descriptor {
+ public:
+  Descriptor(const std::filesystem::path& path, int flags)
+      : path_(path), fd_(::open(path.c_str(), flags, 0666)) {
+    if (fd_ < 0) fail(path, errno);
+  }
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  /// Network file systems report a full disk only here.
+  void close() {
+    if (::close(std::exchange(fd_, -1)) != 0) fail(path_, errno);
+  }
+  operator int() const { return fd_; }
+
+ private:
+  const std::filesystem::path& path_;
+  int fd_;
+};
+
+/// 0 or the errno.
+int write_all(int fd, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(fd, bytes.data(), bytes.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return errno;
+    bytes.remove_prefix(n);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void write_atomically(const std::filesystem::path& path, std::string_view bytes) {
+  const std::filesystem::path beside = path.string() + ".new";
+  try {
+    Descriptor file(beside, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC);
+    if (const int error = write_all(file, bytes)) fail(path, error);
+    file.close();
+  } catch (...) {
+    ::unlink(beside.c_str());
+    throw;
+  }
+  if (::rename(beside.c_str(), path.c_str()) != 0) fail(path, errno);
+}
+
+AppendFile::AppendFile(const std::filesystem::path& path)
+    : path_(path),
+      descriptor_(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0666)) {
+  if (descriptor_ < 0) fail(path, errno);
+}
+
+AppendFile::~AppendFile() { ::close(descriptor_); }
+
+void AppendFile::append(std::string_view text) {
+  const off_t whole = ::lseek(descriptor_, 0, SEEK_END);
+  if (const int error = write_all(descriptor_, text)) {
+    if (::ftruncate(descriptor_, whole) != 0) fail(path_, errno);
+    fail(path_, error);
+  }
+}
+
+void reserve_room(const std::filesystem::path& path, std::size_t bytes) {
+  Descriptor file(path, O_WRONLY | O_CLOEXEC);
+  const off_t end = ::lseek(file, 0, SEEK_END);
+  if (::fallocate(file, FALLOC_FL_KEEP_SIZE, end, static_cast<off_t>(bytes)) != 0 && errno != EOPNOTSUPP &&
+      errno != ENOSYS) {
+    fail(path, errno);
+  }
+}
+
+}  // namespace hourglass

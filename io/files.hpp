@@ -1,0 +1,30 @@
+#pragma once
+// Files that are whole at any time. All functions throw std::runtime_error "<path>: <reason>".
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace hourglass {
+
+/// Replaces the file in one go: written beside it, then renamed over it.
+void write_atomically(const std::filesystem::path& path, std::string_view bytes);
+
+/// Grows by whole pieces: one that does not fit on the disk is taken back before append() throws.
+class AppendFile {
+ public:
+  explicit AppendFile(const std::filesystem::path& path);  ///< empties the file
+  ~AppendFile();
+  AppendFile(const AppendFile&) = delete;
+  AppendFile& operator=(const AppendFile&) = delete;
+  void append(std::string_view text);
+
+ private:
+  std::filesystem::path path_;
+  int descriptor_;
+};
+
+/// Claims room for `bytes` after the end of a file, whose size stays, so that a full disk is found before the
+/// file is touched. Does nothing on a file system that cannot promise room.
+void reserve_room(const std::filesystem::path& path, std::size_t bytes);
+
+}  // namespace hourglass

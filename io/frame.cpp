@@ -1,0 +1,73 @@
+#include "io/frame.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace hourglass {
+
+RunInfo info_of(const Scene& scene) {
+  RunInfo info{scene.name, scene.units, scene.patch(), scene.walls, scene.orifices, {}};
+  for (const Material& m : scene.materials) info.materials.push_back(m.name);
+  return info;
+}
+
+const CellField& Frame::field(const std::string& name) const {
+  std::vector<std::string> names;
+  for (const auto& [known, values] : fields) {
+    if (known == name) return values;
+    names.push_back(known);
+  }
+  throw std::invalid_argument(fmt::format("no field '{}' here; there are: {}", name, fmt::join(names, ", ")));
+}
+
+std::vector<std::string> stored_fields(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const std::string& name : scene.output.fields) {
+    if (name == "tracer" && scene.materials.size() < 2) continue;
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  if (std::find(names.begin(), names.end(), "grains") == names.end()) names.push_back("grains");
+  return names;
+}
+
+Frame frame_of(const Simulation& simulation, const std::vector<std::string>& fields) {
+  Frame frame;
+  frame.t = simulation.t();
+  for (const std::string& name : fields) frame.fields.emplace_back(name, simulation.derived(name));
+  frame.velocity_x = simulation.derived("velocity_x");
+  frame.velocity_y = simulation.derived("velocity_y");
+  return frame;
+}
+
+const FieldInfo& field_info(const std::string& name) {
+  std::vector<std::string> names;
+  for (const FieldInfo& info : known_fields()) {
+    if (name == info.name) return info;
+    names.push_back(info.name);
+  }
+  throw std::invalid_argument(fmt::format("unknown field '{}'; known: {}", name, fmt::join(names, ", ")));
+}
+
+std::string unit_text(const std::string& dimension, Units units) {
+  struct Entry {
+    const char *dimension, *grain, *SI;
+  };
+  // M is mass per unit depth, so M/T^2 is a pressure.
+  static constexpr Entry table[] = {{"1", "", ""},
+                                    {"L", "d", "m"},
+                                    {"T", "√(d/g)", "s"},
+                                    {"1/T", "√(g/d)", "1/s"},
+                                    {"L/T", "√(g d)", "m/s"},
+                                    {"M", "ρ d²", "kg/m"},
+                                    {"M/T", "ρ √(g d³)", "Pa s"},
+                                    {"M/T^2", "ρ g d", "Pa"},
+                                    {"M/L^2", "ρ", "kg/m³"}};
+  for (const Entry& entry : table) {
+    if (dimension == entry.dimension) return units == Units::grain ? entry.grain : entry.SI;
+  }
+  return dimension;
+}
+
+}  // namespace hourglass

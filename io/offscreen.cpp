@@ -1,0 +1,112 @@
+#include "io/offscreen.hpp"
+
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
+#include <fmt/format.h>
+#include <vtkContextActor.h>
+#include <vtkContextScene.h>
+#include <vtkGenericOpenGLRenderWindow.h>
+#include <vtkLogger.h>
+#include <vtkNew.h>
+#include <vtkObjectFactory.h>
+#include <vtkOutputWindow.h>
+#include <vtkPNGWriter.h>
+#include <vtkRenderer.h>
+#include <vtkUnsignedCharArray.h>
+#include <vtkWindowToImageFilter.h>
+
+#include <iostream>
+#include <string>
+
+#include "io/files.hpp"
+
+namespace hourglass {
+namespace {
+
+/// Passes VTK's messages on, but for the one of GLEW, which looks for an X11 display, misses it and works.
+class Messages : public vtkOutputWindow {
+ public:
+  static Messages* New();
+  vtkTypeMacro(Messages, vtkOutputWindow);
+  void DisplayText(const char* text) override {
+    if (std::string(text).find("GLEW") == std::string::npos) std::cerr << text;
+  }
+};
+vtkStandardNewMacro(Messages);
+
+void make_context_current() {
+  const auto check = [](bool good, const char* what) {
+    if (!good) throw NoGraphics(fmt::format("{} (EGL error {:#x})", what, eglGetError()));
+  };
+  const auto get_display =
+      reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(eglGetProcAddress("eglGetPlatformDisplayEXT"));
+  check(get_display, "this EGL knows no platforms");
+  const EGLDisplay display = get_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
+  check(display != EGL_NO_DISPLAY, "no EGL display without a screen; install libgl1-mesa-dri");
+  check(eglInitialize(display, nullptr, nullptr), "EGL does not start; install libgl1-mesa-dri");
+  check(eglBindAPI(EGL_OPENGL_API), "EGL without desktop OpenGL");
+  const EGLint wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, 0, EGL_NONE};
+  EGLConfig config;
+  EGLint count = 0;
+  check(eglChooseConfig(display, wanted, &config, 1, &count) && count > 0,
+        "EGL without an OpenGL configuration");
+  const EGLint core[] = {EGL_CONTEXT_MAJOR_VERSION,
+                         3,
+                         EGL_CONTEXT_MINOR_VERSION,
+                         2,
+                         EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                         EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                         EGL_NONE};
+  const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, core);
+  check(context != EGL_NO_CONTEXT, "no OpenGL 3.2");
+  check(eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context), "OpenGL needs a surface here");
+}
+
+struct Window {
+  vtkNew<vtkGenericOpenGLRenderWindow> window;
+
+  Window() {
+    make_context_current();
+    vtkNew<Messages> messages;
+    vtkLogger::SetStderrVerbosity(
+        vtkLogger::VERBOSITY_OFF);  // it would print what Messages has already sorted
+    vtkOutputWindow::SetInstance(messages);
+    window->SetOffScreenRendering(true);
+    window->SetReadyForRendering(true);
+    window->SetIsCurrent(true);
+    window->InitializeFromCurrentContext();
+  }
+};
+
+}  // namespace
+
+void draw_png(vtkAbstractContextItem& item, int width, int height, const std::filesystem::path& path,
+              Edges edges) {
+  static Window shared;  // a constructor that throws is tried again by the next call
+  vtkGenericOpenGLRenderWindow& window = *shared.window;
+
+  vtkNew<vtkContextActor> actor;
+  actor->GetScene()->AddItem(&item);
+  vtkNew<vtkRenderer> renderer;
+  renderer->SetBackground(1, 1, 1);
+  renderer->AddActor(actor);
+  window.SetMultiSamples(edges == Edges::smooth ? 4 : 0);
+  window.SetSize(width, height);
+  window.AddRenderer(renderer);
+
+  vtkNew<vtkWindowToImageFilter> picture;
+  picture->SetInput(&window);
+  picture->ReadFrontBufferOff();
+  vtkNew<vtkPNGWriter> png;
+  png->SetInputConnection(picture->GetOutputPort());
+  png->WriteToMemoryOn();
+  png->Write();
+  window.RemoveRenderer(renderer);
+  actor->GetScene()->RemoveItem(&item);
+
+  vtkUnsignedCharArray* bytes = png->GetResult();
+  write_atomically(path, {reinterpret_cast<const char*>(bytes->GetPointer(0)),
+                          static_cast<std::size_t>(bytes->GetNumberOfValues())});
+}
+
+}  // namespace hourglass

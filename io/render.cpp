@@ -1,0 +1,566 @@
+#include "io/render.hpp"
+
+#include <fmt/format.h>
+#include <vtkBrush.h>
+#include <vtkContext2D.h>
+#include <vtkContextItem.h>
+#include <vtkImageData.h>
+#include <vtkNew.h>
+#include <vtkObjectFactory.h>
+#include <vtkPen.h>
+#include <vtkStdString.h>
+#include <vtkTextProperty.h>
+#include <vtkTextRenderer.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "io/offscreen.hpp"
+
+namespace hourglass {
+namespace {
+
+// Sizes in pixels.
+constexpr int full_width = 1400, tall_height = 1300, least_bar = 420;
+constexpr int margin = 26, wall = 6, tick = 10, gap = 10, bar_width = 32;
+constexpr int tick_font = 27, label_font = 31;
+constexpr int widest_spacing = 40, closest_spacing = 24,
+              rows_of_arrows = 7;  // closer where there is little room
+constexpr double arrow_decades = 3;
+
+constexpr Colour black{0, 0, 0}, white{255, 255, 255}, dark{40, 40, 40}, grey{150, 150, 150},
+    air{238, 238, 238};
+
+// ---- text -------------------------------------------------------------------------------------------------
+
+enum class Align { begin, middle, end };
+
+void style(vtkTextProperty* text, int size) {
+  // VTK's own fonts lack √ and superscripts.
+  static const char* const font = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+  static const bool there = std::filesystem::exists(font);
+  if (there) {
+    text->SetFontFamily(VTK_FONT_FILE);
+    text->SetFontFile(font);
+  } else {
+    text->SetFontFamilyToArial();
+  }
+  text->SetFontSize(size);
+  text->SetColor(dark[0] / 255.0, dark[1] / 255.0, dark[2] / 255.0);
+}
+
+int text_width(const std::string& text, int size) {
+  if (text.empty()) return 0;
+  vtkNew<vtkTextProperty> property;
+  style(property, size);
+  int box[4] = {0, 0, 0, 0};
+  vtkTextRenderer::GetInstance()->GetBoundingBox(property, text, box, 72);
+  return box[1] - box[0] + 1;
+}
+
+int widest(const std::vector<Tick>& ticks) {
+  int w = 0;
+  for (const Tick& t : ticks) w = std::max(w, text_width(t.label, tick_font));
+  return w;
+}
+
+/// A line of text that reads upwards. VTK turns text too, but cuts off its tall letters.
+vtkNew<vtkImageData> upright_text(const std::string& text, int size) {
+  vtkNew<vtkTextProperty> property;
+  style(property, size);
+  vtkNew<vtkImageData> level, turned;
+  int extent[2];
+  vtkTextRenderer::GetInstance()->RenderString(property, text, level, extent, 72);
+  const int w = extent[0], h = extent[1];
+  turned->SetDimensions(h, w, 1);
+  turned->AllocateScalars(VTK_UNSIGNED_CHAR, 4);
+  for (int y = 0; y < h; ++y) {
+    for (int x = 0; x < w; ++x) {
+      const auto* from = static_cast<unsigned char*>(level->GetScalarPointer(x, y, 0));
+      std::copy(from, from + 4, static_cast<unsigned char*>(turned->GetScalarPointer(h - 1 - y, x, 0)));
+    }
+  }
+  return turned;
+}
+
+// ---- arrows -----------------------------------------------------------------------------------------------
+
+/// Bilinear between cell centres, level beyond the outermost ones; x, y in cells.
+double interpolate(const CellField& f, double x, double y) {
+  const double a = std::clamp(x - 0.5, 0.0, f.nx() - 1.0), b = std::clamp(y - 0.5, 0.0, f.ny() - 1.0);
+  const int i = std::min(static_cast<int>(a), std::max(f.nx() - 2, 0)), i1 = std::min(i + 1, f.nx() - 1);
+  const int j = std::min(static_cast<int>(b), std::max(f.ny() - 2, 0)), j1 = std::min(j + 1, f.ny() - 1);
+  const double s = a - i, t = b - j;
+  return (1 - t) * ((1 - s) * f(i, j) + s * f(i1, j)) + t * ((1 - s) * f(i, j1) + s * f(i1, j1));
+}
+
+struct Arrow {
+  double x, y, dx, dy;  ///< middle and extent, in cells
+  double speed;
+};
+
+/// One for each block of cells, at the middle of the block, where it lies in grains.
+std::vector<Arrow> arrows_of(const Picture& picture, double cell_pixels) {
+  std::vector<Arrow> arrows;
+  if (!picture.velocity_x.allocated()) return arrows;
+  const Patch& p = picture.values.patch();
+  const double arrow_spacing = std::clamp<double>(std::min(p.nx, p.ny) * cell_pixels / rows_of_arrows,
+                                                  closest_spacing, widest_spacing);
+  const int block = std::max(1, static_cast<int>(std::lround(arrow_spacing / cell_pixels)));
+  double fastest = 0;
+  for (int j = (p.ny % block + block) / 2; j < p.ny; j += block) {
+    for (int i = (p.nx % block + block) / 2; i < p.nx; i += block) {
+      const double u = picture.velocity_x(i, j), v = picture.velocity_y(i, j), speed = std::hypot(u, v);
+      if (picture.grains(i, j) < 0.5 || !std::isfinite(speed)) continue;
+      arrows.push_back({i + 0.5, j + 0.5, u, v, speed});
+      fastest = std::max(fastest, speed);
+    }
+  }
+  const double least = fastest * std::pow(10.0, -arrow_decades);
+  const double longest = std::max<double>(block, arrow_spacing / cell_pixels);
+  for (Arrow& a : arrows) {
+    const double decades = std::log10(a.speed / least) / arrow_decades;
+    const double stretch = longest * (0.25 + 0.7 * decades) / a.speed;
+    a.dx *= stretch;
+    a.dy *= stretch;
+  }
+  std::erase_if(arrows, [&](const Arrow& a) {
+    const double tail = interpolate(picture.grains, a.x - a.dx / 2, a.y - a.dy / 2);
+    const double tip = interpolate(picture.grains, a.x + a.dx / 2, a.y + a.dy / 2);
+    return !(a.speed > least) || tail < 0.5 || tip < 0.5;
+  });
+  return arrows;
+}
+
+std::string arrow_note(const std::vector<Arrow>& arrows, const std::string& unit) {
+  double fastest = 0;
+  for (const Arrow& a : arrows) fastest = std::max(fastest, a.speed);
+  if (fastest == 0) return "";
+  const auto text = [](double speed) { return number_text(speed, 2); };
+  return fmt::format("arrows, log length: {} to {} {}", text(fastest * std::pow(10.0, -arrow_decades)),
+                     text(fastest), unit);
+}
+
+// ---- values -----------------------------------------------------------------------------------------------
+
+template <class F>
+void for_each_shown(const Picture& picture, F&& f) {
+  for (int j = 0; j < picture.values.ny(); ++j) {
+    for (int i = 0; i < picture.values.nx(); ++i) {
+      const bool shown = picture.show_air || picture.grains(i, j) >= 0.5;
+      if (shown && std::isfinite(picture.values(i, j))) f(picture.values(i, j));
+    }
+  }
+}
+
+// ---- layout -----------------------------------------------------------------------------------------------
+
+/// Where everything goes, in pixels from the lower left corner.
+struct Layout {
+  int width = 0, height = 0;
+  int x = 0, y = 0, w = 0, h = 0;    ///< the domain
+  double cell = 1;                   ///< pixels to a cell
+  bool bar_below = false;            ///< the domain is too low for a colour bar at its side
+  bool under = false, over = false;  ///< there are values beyond the range
+  int bar_x = 0, bar_y = 0, bar_w = 0, bar_h = 0;
+  std::vector<Tick> x_ticks, y_ticks, bar_ticks;
+  std::string bar_title, time, note;
+  bool two_headers = false;  ///< time and note do not fit side by side
+  int header_x = 0;
+};
+
+Layout layout_of(const Picture& picture, const ColourScale& scale) {
+  const Patch& p = picture.values.patch();
+  Layout l;
+  l.time = fmt::format("t = {} {}", number_text(picture.time, 4), picture.time_unit);
+  l.bar_title = picture.unit.empty() ? picture.title : fmt::format("{} [{}]", picture.title, picture.unit);
+
+  for_each_shown(picture, [&](double value) {
+    l.under |=
+        value < scale.lo() - 1e-6 * (scale.hi() - scale.lo()) || (scale.log() && value < 0.999 * scale.lo());
+    l.over |= value > scale.hi() + 1e-6 * (scale.hi() - scale.lo());
+  });
+
+  // The margins depend on the labels, these on the ticks, these on the size of the domain, and this on the
+  // margins: the second turn settles it.
+  l.w = full_width - 300;
+  l.h = static_cast<int>(std::min<double>(tall_height, l.w * double(p.ny) / p.nx));
+  const int tick_line = tick + gap + tick_font, label_line = gap + label_font;
+  const int axis = wall + tick_line + label_line;  // height of the x axis with its labels
+  int right = 0;
+  for (int turn = 0; turn < 2; ++turn) {
+    l.bar_below = l.h < least_bar;
+    l.x_ticks = linear_ticks(p.x0, p.x0 + p.nx * p.h, std::clamp(l.w / 80, 2, 8));
+    l.y_ticks = linear_ticks(p.y0, p.y0 + p.ny * p.h, std::clamp(l.h / 80, 2, 8));
+    const int most = std::clamp(l.bar_below ? l.w / 150 : l.h / 80, 2, 6);
+    l.bar_ticks =
+        scale.log() ? log_ticks(scale.lo(), scale.hi()) : linear_ticks(scale.lo(), scale.hi(), most);
+    l.x = margin + label_line + gap + widest(l.y_ticks) + gap + tick + wall;
+    l.y = margin + axis;
+    right = margin + wall;
+    if (l.bar_below) {
+      l.y += margin + bar_width + tick_line + label_line;
+      right += widest(l.x_ticks) / 2;
+    } else {
+      right += margin + bar_width + tick + gap + widest(l.bar_ticks) + gap + label_line;
+    }
+    l.cell = std::min(double(full_width - l.x - right) / p.nx, double(tall_height) / p.ny);
+    l.w = static_cast<int>(std::lround(p.nx * l.cell));
+    l.h = static_cast<int>(std::lround(p.ny * l.cell));
+  }
+  l.bar_x = l.bar_below ? l.x : l.x + l.w + wall + margin;
+  l.bar_y = l.bar_below ? margin + label_line + tick_line : l.y;
+  l.bar_w = l.bar_below ? l.w : bar_width;
+  l.bar_h = l.bar_below ? bar_width : l.h;
+
+  l.note = arrow_note(arrows_of(picture, l.cell), picture.velocity_unit);
+  const int time_width = text_width(l.time, label_font), note_width = text_width(l.note, tick_font);
+  l.two_headers = !l.note.empty() && time_width + note_width + 2 * margin > l.w;
+  const int header = l.two_headers ? std::max(time_width, note_width) : time_width;
+  l.width = std::max(l.x + l.w + right, header + 2 * margin);
+  l.header_x = std::max(margin, std::min(l.x, l.width - margin - header));
+  l.height = l.y + l.h + wall + (l.two_headers ? 2 : 1) * (label_line + gap / 2) + margin;
+  return l;
+}
+
+// ---- the field as an image --------------------------------------------------------------------------------
+
+/// Values of the grains carried into the neighbouring air cells, so that the smooth surface cuts through
+/// coloured cells only.
+CellField carried_over(const Picture& picture) {
+  CellField out = picture.values;
+  const Patch& p = out.patch();
+  for (int j = 0; j < p.ny; ++j) {
+    for (int i = 0; i < p.nx; ++i) {
+      if (picture.grains(i, j) >= 0.5) continue;
+      double sum = 0;
+      int n = 0;
+      for (int b = std::max(j - 1, 0); b <= std::min(j + 1, p.ny - 1); ++b) {
+        for (int a = std::max(i - 1, 0); a <= std::min(i + 1, p.nx - 1); ++a) {
+          if (picture.grains(a, b) < 0.5) continue;
+          sum += picture.values(a, b);
+          ++n;
+        }
+      }
+      if (n > 0) out(i, j) = sum / n;
+    }
+  }
+  return out;
+}
+
+/// Weights 1 2 1 both ways: without it the contour of volume fractions shows every cell.
+CellField smoothed(const CellField& field) {
+  CellField out(field.patch());
+  const auto at = [&](int i, int j) {
+    return field(std::clamp(i, 0, field.nx() - 1), std::clamp(j, 0, field.ny() - 1));
+  };
+  const auto row = [&](int i, int j) { return 0.25 * at(i - 1, j) + 0.5 * at(i, j) + 0.25 * at(i + 1, j); };
+  for (int j = 0; j < field.ny(); ++j) {
+    for (int i = 0; i < field.nx(); ++i)
+      out(i, j) = 0.25 * row(i, j - 1) + 0.5 * row(i, j) + 0.25 * row(i, j + 1);
+  }
+  return out;
+}
+
+void blend(unsigned char* pixel, const Colour& colour, double share) {
+  if (share == 0) return;
+  for (int c = 0; c < 3; ++c) {
+    pixel[c] = static_cast<unsigned char>(std::lround((1 - share) * pixel[c] + share * colour[c]));
+  }
+}
+
+/// Signed distance from the 0.5 contour in pixels, to first order; x, y in cells.
+double surface_distance(const CellField& share, double x, double y, double cell_pixels) {
+  const int i = std::min(static_cast<int>(x), share.nx() - 1),
+            j = std::min(static_cast<int>(y), share.ny() - 1);
+  double lo = 1, hi = 0;
+  for (int b = std::max(j - 1, 0); b <= std::min(j + 1, share.ny() - 1); ++b) {
+    for (int a = std::max(i - 1, 0); a <= std::min(i + 1, share.nx() - 1); ++a) {
+      lo = std::min(lo, share(a, b));
+      hi = std::max(hi, share(a, b));
+    }
+  }
+  if (lo > 0.5) return 1e6;  // most of the picture
+  if (hi < 0.5) return -1e6;
+  const double half = 0.5 / cell_pixels;
+  const double slope = std::hypot(interpolate(share, x + half, y) - interpolate(share, x - half, y),
+                                  interpolate(share, x, y + half) - interpolate(share, x, y - half));
+  return (interpolate(share, x, y) - 0.5) / std::max(slope, 1e-6);
+}
+
+/// Black on light colours, white on dark ones. Drawn here, with smooth edges, rather than by OpenGL, where
+/// smooth edges make a picture three times as dear.
+void stamp(vtkImageData* image, const Arrow& arrow, double cell_pixels) {
+  constexpr double half_shaft = 1.2, head_length = 13, head_slope = 0.36;
+  int extent[3];
+  image->GetDimensions(extent);
+  const auto pixel_at = [&](double x, double y) {
+    return static_cast<unsigned char*>(
+        image->GetScalarPointer(std::clamp(static_cast<int>(x), 0, extent[0] - 1),
+                                std::clamp(static_cast<int>(y), 0, extent[1] - 1), 0));
+  };
+  const double x = arrow.x * cell_pixels, y = arrow.y * cell_pixels;
+  const double length = std::hypot(arrow.dx, arrow.dy) * cell_pixels;
+  const double ex = arrow.dx * cell_pixels / length, ey = arrow.dy * cell_pixels / length;
+  const double tip = length / 2, neck = tip - std::min(head_length, 0.7 * length), reach = tip + 2;
+  const unsigned char* under = pixel_at(x, y);
+  const Colour colour = 0.299 * under[0] + 0.587 * under[1] + 0.114 * under[2] > 85 ? black : white;
+  for (int b = std::max(0, int(y - reach)); b <= std::min(extent[1] - 1, int(y + reach)); ++b) {
+    for (int a = std::max(0, int(x - reach)); a <= std::min(extent[0] - 1, int(x + reach)); ++a) {
+      const double dx = a + 0.5 - x, dy = b + 0.5 - y;
+      const double along = dx * ex + dy * ey, across = std::abs(dy * ex - dx * ey);
+      const double shaft =
+          std::max({across - half_shaft, along - neck, -tip - along});  // distances in pixels
+      const double head =
+          std::max((across + head_slope * (along - tip)) / std::hypot(1, head_slope), neck - along);
+      blend(pixel_at(a, b), colour, std::clamp(0.5 - std::min(shaft, head), 0.0, 1.0));
+    }
+  }
+}
+
+/// Every cell in its colour, air blank, the free surface as a black line, and the arrows.
+vtkNew<vtkImageData> field_image(const Picture& picture, const ColourScale& scale, const Layout& l) {
+  constexpr double line = 3;
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(l.w, l.h, 1);
+  image->AllocateScalars(VTK_UNSIGNED_CHAR, 4);
+  auto* pixel = static_cast<unsigned char*>(image->GetScalarPointer());
+  const CellField values = picture.show_air ? picture.values : carried_over(picture);
+  const CellField share = smoothed(picture.grains);
+  std::vector<Colour> colours(values.nx());
+  int coloured = -1;
+  for (int b = 0; b < l.h; ++b) {
+    const double y = (b + 0.5) / l.cell;
+    const int j = std::min(static_cast<int>(y), values.ny() - 1);
+    if (j != coloured) {
+      for (int i = 0; i < values.nx(); ++i) colours[i] = scale.colour_of(values(i, j));
+      coloured = j;
+    }
+    for (int a = 0; a < l.w; ++a, pixel += 4) {
+      const double x = (a + 0.5) / l.cell, distance = surface_distance(share, x, y, l.cell);
+      std::copy(air.begin(), air.end(), pixel);
+      pixel[3] = 255;
+      blend(pixel, colours[std::min(static_cast<int>(x), values.nx() - 1)],
+            picture.show_air ? 1 : std::clamp(distance + 0.5, 0.0, 1.0));
+      blend(pixel, black, std::clamp((line + 1) / 2 - std::abs(distance), 0.0, 1.0));
+    }
+  }
+  for (const Arrow& arrow : arrows_of(picture, l.cell)) stamp(image, arrow, l.cell);
+  return image;
+}
+
+// ---- painting ---------------------------------------------------------------------------------------------
+
+class Painting : public vtkContextItem {
+ public:
+  static Painting* New();
+  vtkTypeMacro(Painting, vtkContextItem);
+
+  const Picture* picture = nullptr;
+  const ColourScale* scale = nullptr;
+  const Layout* layout = nullptr;
+
+  bool Paint(vtkContext2D* context) override {
+    paint_field(context);
+    paint_walls(context);
+    paint_axes(context);
+    paint_bar(context);
+    paint_header(context);
+    return true;
+  }
+
+ private:
+  static void pen(vtkContext2D* context, const Colour& colour, double width, int type = vtkPen::SOLID_LINE) {
+    context->GetPen()->SetColor(colour[0], colour[1], colour[2]);
+    context->GetPen()->SetWidth(static_cast<float>(width));
+    context->GetPen()->SetLineType(type);
+  }
+  static void rectangle(vtkContext2D* context, const Colour& colour, double x, double y, double w, double h) {
+    pen(context, colour, 0, vtkPen::NO_PEN);
+    context->GetBrush()->SetColor(colour[0], colour[1], colour[2]);
+    context->DrawRect(float(x), float(y), float(w), float(h));
+  }
+  static void text(vtkContext2D* context, const std::string& what, double x, double y, int size, Align across,
+                   Align up) {
+    if (what.empty()) return;
+    vtkNew<vtkTextProperty> property;
+    style(property, size);
+    property->SetJustification(static_cast<int>(across));
+    property->SetVerticalJustification(static_cast<int>(up));
+    context->ApplyTextProp(property);
+    context->DrawString(float(std::lround(x)), float(std::lround(y)), what);
+  }
+  /// Reading upwards, its middle at height y, its left edge at x.
+  static void upright(vtkContext2D* context, const std::string& what, int x, int y) {
+    const auto image = upright_text(what, label_font);
+    context->DrawImage(float(x), float(y - image->GetDimensions()[1] / 2), image);
+  }
+
+  void paint_field(vtkContext2D* context) const {
+    const Layout& l = *layout;
+    context->DrawImage(float(l.x), float(l.y), field_image(*picture, *scale, l));
+  }
+
+  bool open_at(Side side, bool at_end) const {
+    const Patch& p = picture->values.patch();
+    const bool upright_side = side == Side::left || side == Side::right;
+    const double begin = upright_side ? p.y0 : p.x0, end = begin + (upright_side ? p.ny : p.nx) * p.h;
+    for (const Opening& o : picture->openings) {
+      if (o.side == side && (at_end ? o.end >= end - 0.5 * p.h : o.begin <= begin + 0.5 * p.h)) return true;
+    }
+    return false;
+  }
+
+  void paint_walls(vtkContext2D* context) const {
+    const Layout& l = *layout;
+    const Patch& p = picture->values.patch();
+    rectangle(context, dark, l.x - wall, l.y, wall, l.h);
+    rectangle(context, dark, l.x + l.w, l.y, wall, l.h);
+    rectangle(context, dark, l.x, l.y - wall, l.w, wall);
+    rectangle(context, dark, l.x, l.y + l.h, l.w, wall);
+    for (const bool right : {false, true}) {
+      for (const bool top : {false, true}) {
+        if (open_at(right ? Side::right : Side::left, top) && open_at(top ? Side::top : Side::bottom, right))
+          continue;
+        rectangle(context, dark, right ? l.x + l.w : l.x - wall, top ? l.y + l.h : l.y - wall, wall, wall);
+      }
+    }
+    for (const Opening& o : picture->openings) {
+      const bool upright_side = o.side == Side::left || o.side == Side::right;
+      const double origin = upright_side ? p.y0 : p.x0, base = upright_side ? l.y : l.x;
+      const double extent = upright_side ? l.h : l.w;
+      const double begin = base + std::clamp((o.begin - origin) / p.h * l.cell, 0.0, extent);
+      const double end = base + std::clamp((o.end - origin) / p.h * l.cell, 0.0, extent);
+      const double at[] = {double(l.x - wall), double(l.x + l.w), double(l.y - wall),
+                           double(l.y + l.h)};  // by Side
+      const double across = at[static_cast<int>(o.side)];
+      pen(context, grey, 2, vtkPen::DASH_LINE);
+      if (upright_side) {
+        rectangle(context, white, across, begin, wall, end - begin);
+        pen(context, grey, 2, vtkPen::DASH_LINE);
+        context->DrawLine(float(across + wall / 2), float(begin), float(across + wall / 2), float(end));
+      } else {
+        rectangle(context, white, begin, across, end - begin, wall);
+        pen(context, grey, 2, vtkPen::DASH_LINE);
+        context->DrawLine(float(begin), float(across + wall / 2), float(end), float(across + wall / 2));
+      }
+    }
+  }
+
+  void paint_axes(vtkContext2D* context) const {
+    const Layout& l = *layout;
+    const Patch& p = picture->values.patch();
+    const int foot = l.y - wall, side = l.x - wall;
+    pen(context, dark, 2);
+    for (const Tick& t : l.x_ticks) {
+      const double x = l.x + (t.value - p.x0) / p.h * l.cell;
+      context->DrawLine(float(x), float(foot), float(x), float(foot - tick));
+      text(context, t.label, x, foot - tick - gap, tick_font, Align::middle, Align::end);
+    }
+    for (const Tick& t : l.y_ticks) {
+      const double y = l.y + (t.value - p.y0) / p.h * l.cell;
+      context->DrawLine(float(side), float(y), float(side - tick), float(y));
+      text(context, t.label, side - tick - gap, y, tick_font, Align::end, Align::middle);
+    }
+    text(context, fmt::format("x [{}]", picture->length_unit), l.x + l.w / 2.0,
+         foot - tick - 2 * gap - tick_font, label_font, Align::middle, Align::end);
+    upright(context, fmt::format("y [{}]", picture->length_unit), margin, l.y + l.h / 2);
+  }
+
+  /// The pointed end of the colour bar says that values go on beyond it; x, y: the middle of its foot.
+  void point(vtkContext2D* context, const Colour& colour, double x, double y, int direction) const {
+    const double half = bar_width / 2.0, tip = direction * 0.7 * bar_width;
+    float corners[] = {float(x - half), float(y), float(x + half), float(y), float(x), float(y + tip)};
+    if (layout->bar_below) {
+      const float lying[] = {float(x), float(y - half), float(x), float(y + half), float(x + tip), float(y)};
+      std::copy(lying, lying + 6, corners);
+    }
+    pen(context, colour, 0, vtkPen::NO_PEN);
+    context->GetBrush()->SetColor(colour[0], colour[1], colour[2]);
+    context->DrawPolygon(corners, 3);
+    pen(context, dark, 2);
+    float outline[] = {corners[0], corners[1], corners[4], corners[5], corners[2], corners[3]};
+    context->DrawPoly(outline, 3);
+  }
+
+  void paint_bar(vtkContext2D* context) const {
+    const Layout& l = *layout;
+    const int x = l.bar_x, y = l.bar_y, w = l.bar_w, h = l.bar_h;
+    vtkNew<vtkImageData> ramp;
+    ramp->SetDimensions(w, h, 1);
+    ramp->AllocateScalars(VTK_UNSIGNED_CHAR, 4);
+    auto* pixel = static_cast<unsigned char*>(ramp->GetScalarPointer());
+    for (int b = 0; b < h; ++b) {
+      for (int a = 0; a < w; ++a, pixel += 4) {
+        const Colour colour = scale->colour_at(l.bar_below ? (a + 0.5) / w : (b + 0.5) / h);
+        std::copy(colour.begin(), colour.end(), pixel);
+        pixel[3] = 255;
+      }
+    }
+    context->DrawImage(float(x), float(y), ramp);
+    if (l.under)
+      point(context, scale->colour_at(0), l.bar_below ? x : x + w / 2.0, l.bar_below ? y + h / 2.0 : y, -1);
+    if (l.over)
+      point(context, scale->colour_at(1), x + (l.bar_below ? w : w / 2.0), y + (l.bar_below ? h / 2.0 : h),
+            1);
+    pen(context, dark, 2);
+    float outline[] = {float(x),     float(y), float(x + w), float(y), float(x + w),
+                       float(y + h), float(x), float(y + h), float(x), float(y)};
+    context->DrawPoly(outline, 5);
+    for (const Tick& t : l.bar_ticks) {
+      const double s = scale->position(t.value), length = t.label.empty() ? tick / 2.0 : tick;
+      if (l.bar_below) {
+        context->DrawLine(float(x + s * w), float(y), float(x + s * w), float(y - length));
+        text(context, t.label, x + s * w, y - tick - gap, tick_font, Align::middle, Align::end);
+      } else {
+        context->DrawLine(float(x + w), float(y + s * h), float(x + w + length), float(y + s * h));
+        text(context, t.label, x + w + tick + gap, y + s * h, tick_font, Align::begin, Align::middle);
+      }
+    }
+    if (l.bar_below) {
+      text(context, l.bar_title, l.x + l.w / 2.0, y - tick - 2 * gap - tick_font, label_font, Align::middle,
+           Align::end);
+    } else {
+      upright(context, l.bar_title, x + w + tick + 3 * gap + widest(l.bar_ticks), l.y + l.h / 2);
+    }
+  }
+
+  void paint_header(vtkContext2D* context) const {
+    const Layout& l = *layout;
+    const int y = l.y + l.h + wall + gap;
+    text(context, l.time, l.header_x, l.two_headers ? y + label_font + gap : y, label_font, Align::begin,
+         Align::begin);
+    if (l.two_headers) {
+      text(context, l.note, l.header_x, y, tick_font, Align::begin, Align::begin);
+    } else {
+      text(context, l.note, l.x + l.w, y, tick_font, Align::end, Align::begin);
+    }
+  }
+};
+vtkStandardNewMacro(Painting);
+
+}  // namespace
+
+std::array<double, 2> shown_extremes(const Picture& picture) {
+  double lo = HUGE_VAL, hi = -HUGE_VAL;
+  for_each_shown(picture, [&](double value) {
+    if (picture.log_scale && value <= 0) return;
+    lo = std::min(lo, value);
+    hi = std::max(hi, value);
+  });
+  return {lo, hi};
+}
+
+void render_png(const Picture& picture, const std::filesystem::path& path) {
+  const auto [lo, hi] = shown_extremes(picture);
+  const ColourScale scale(picture.range ? *picture.range : nice_range(lo, hi, picture.log_scale),
+                          picture.log_scale, picture.colours);
+  const Layout layout = layout_of(picture, scale);
+  vtkNew<Painting> painting;
+  painting->picture = &picture;
+  painting->scale = &scale;
+  painting->layout = &layout;
+  draw_png(*painting, layout.width, layout.height, path, Edges::crisp);
+}
+
+}  // namespace hourglass

@@ -1,0 +1,245 @@
+#include "io/run_folder.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <optional>
+#include <stdexcept>
+
+#include "io/files.hpp"
+#include "io/json.hpp"
+#include "io/offscreen.hpp"
+#include "io/progress.hpp"
+#include "io/provenance.hpp"
+#include "io/render.hpp"
+#include "io/series.hpp"
+#include "io/xdmf.hpp"
+
+namespace hourglass {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* log_name = "run.log";
+constexpr const char* log_mark = "hourglass";  ///< in the first line of every run.log
+constexpr const char* file_names[] = {log_name,      "scene.yaml",    "series.csv",  "fields.h5",
+                                      "fields.xdmf", "checkpoint.h5", "summary.json"};
+
+/// <field>_<four or more digits>.png with a field of ours.
+bool is_snapshot(const fs::path& path) {
+  const std::string stem = path.stem().string();
+  const std::size_t digits = stem.size() - std::min(stem.size(), stem.find_last_not_of("0123456789") + 1);
+  if (path.extension() != ".png" || digits < 4 || digits + 1 >= stem.size()) return false;
+  const std::string field = stem.substr(0, stem.size() - digits - 1);
+  return stem[field.size()] == '_' && std::any_of(known_fields().begin(), known_fields().end(),
+                                                  [&](const FieldInfo& info) { return field == info.name; });
+}
+
+/// What a run wrote, or would write, into this folder.
+std::vector<fs::path> files_of_run(const fs::path& folder) {
+  std::vector<fs::path> found;
+  for (const char* name : file_names) {
+    for (const char* suffix : {"", ".new"}) {  // .new: a killed run may leave one behind
+      if (fs::path path = folder / fmt::format("{}{}", name, suffix); fs::is_regular_file(path))
+        found.push_back(path);
+    }
+  }
+  if (fs::is_directory(folder / "snapshots")) {
+    for (const auto& entry : fs::directory_iterator(folder / "snapshots")) {
+      if (entry.is_regular_file() && is_snapshot(entry.path())) found.push_back(entry.path());
+    }
+  }
+  return found;
+}
+
+bool written_by_run(const fs::path& folder) {
+  std::ifstream log(folder / log_name);
+  std::string line;
+  return std::getline(log, line) && line.find(log_mark) != std::string::npos;
+}
+
+/// Throws std::invalid_argument unless a run may write here.
+void make_way(const fs::path& folder, bool force) {
+  if (!fs::exists(folder)) return;
+  const auto refuse = [&](const std::string& why) {
+    throw std::invalid_argument(fmt::format("{}: {}", folder.string(), why));
+  };
+  if (!fs::is_directory(folder)) refuse("is a file; choose another folder with --out");
+  const std::vector<fs::path> found = files_of_run(folder);
+  if (found.empty()) return;
+  if (!written_by_run(folder)) {
+    refuse(fmt::format("holds {}, not written by a run of hourglass; choose another folder with --out",
+                       found.front().filename().string()));
+  }
+  if (!force)
+    refuse("holds a run already; choose another folder with --out, or replace the run with --force");
+  for (const fs::path& path : found) fs::remove(path);
+}
+
+long peak_memory_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss * 1024L;
+}
+
+std::string to_json(const Summary& s) {
+  JsonMembers stages;
+  for (const auto& [stage, seconds] : s.stages) stages.emplace_back(stage, json_number(seconds));
+  std::vector<std::string> warnings;
+  for (const std::string& warning : s.warnings) warnings.push_back(json_string(warning));
+  return json_object({{"status", json_string(name_of(s.status))},
+                      {"reason", json_string(s.reason)},
+                      {"discharge_rate", json_number(s.discharge_rate)},
+                      {"discharge_constant", json_number(s.discharge_constant)},
+                      {"discharge_window",
+                       json_array({json_number(s.discharge_window[0]), json_number(s.discharge_window[1])})},
+                      {"quasi_static_fraction", json_number(s.quasi_static_fraction)},
+                      {"mass_error", json_number(s.mass_error)},
+                      {"worst_max_divergence", json_number(s.worst_max_divergence)},
+                      {"missed_tolerances", json_number(s.missed_tolerances)},
+                      {"steps", json_number(s.steps)},
+                      {"cells", json_number(s.cells)},
+                      {"wall_seconds", json_number(s.wall_seconds)},
+                      {"cell_steps_per_second", json_number(s.cell_steps_per_second)},
+                      {"peak_memory_bytes", json_number(peak_memory_bytes())},
+                      {"threads", json_number(long{s.threads})},
+                      {"stages", json_object(stages, 2)},
+                      {"warnings", json_array(warnings)},
+                      {"provenance", to_json(provenance(s.threads), 2)}}) +
+         '\n';
+}
+
+std::shared_ptr<spdlog::logger> open_log(const fs::path& path) {
+  try {
+    auto log = std::make_shared<spdlog::logger>(
+        "run", std::make_shared<spdlog::sinks::basic_file_sink_st>(path, true));
+    log->set_pattern("%Y-%m-%d %H:%M:%S %v");
+    log->flush_on(spdlog::level::info);
+    log->set_error_handler([](const std::string&) {});  // a full disk is told by the other files
+    return log;
+  } catch (const spdlog::spdlog_ex& error) {
+    throw std::runtime_error(error.what());
+  }
+}
+
+}  // namespace
+
+fs::path default_run_folder(const std::string& scene_name) {
+  std::string name = scene_name.empty() ? "_" : scene_name;
+  for (char& c : name) {
+    if (c == '/' || c == '\\' || static_cast<unsigned char>(c) < 0x20) c = '_';
+  }
+  for (std::size_t k = 0; k < name.size() && name[k] == '.'; ++k) name[k] = '_';
+  return fs::path("runs") / name;
+}
+
+struct RunFolder::Impl {
+  Impl(const Scene& scene, const std::string& resolved_yaml, const RunOptions& options,
+       const std::vector<std::string>& warnings)
+      : path(options.out.empty() ? default_run_folder(scene.name) : options.out), info(info_of(scene)),
+        fields(stored_fields(scene)), progress(options.quiet) {
+    make_way(path, options.force);
+    std::error_code error;
+    fs::create_directories(path, error);
+    if (error) throw std::runtime_error(fmt::format("{}: {}", path.string(), error.message()));
+    log = open_log(path / log_name);
+    const Provenance p = provenance(scene.threads);
+    log->info("{} {}, revision {}: scene '{}'", log_mark, p.version, p.revision, scene.name);
+    log->info("{} ({}), SIMD width {} bits: {}", p.compiler, p.build_type, p.simd_bits, p.flags);
+    log->info("{}, {}, {} cores, {} threads", p.host, p.cpu, p.cores, p.threads);
+    log->info("{} x {} cells, side {:.6g} {}", info.patch.nx, info.patch.ny, info.patch.h,
+              unit_text("L", info.units));
+    for (const std::string& warning : warnings) log->info("warning: {}", warning);
+    write_atomically(path / "scene.yaml", resolved_yaml);
+    series.emplace(path / "series.csv", scene);
+    if (scene.output.fields_every > 0) frames.emplace(path, info);
+  }
+
+  void warn(const std::string& warning) {
+    log->info("warning: {}", warning);
+    progress.end();
+    fmt::print(stderr, "warning: {}\n", warning);
+  }
+
+  const fs::path path;
+  const RunInfo info;
+  const std::vector<std::string> fields;
+  std::shared_ptr<spdlog::logger> log;
+  std::optional<SeriesFile> series;
+  std::optional<FieldWriter> frames;
+  bool can_draw = true;
+  int snapshots = 0;
+
+  Progress progress;
+  std::chrono::steady_clock::time_point shown = std::chrono::steady_clock::now();
+  long shown_step = 0;
+};
+
+RunFolder::RunFolder(const Scene& scene, const std::string& resolved_yaml, const RunOptions& options,
+                     const std::vector<std::string>& warnings)
+    : impl_(std::make_unique<Impl>(scene, resolved_yaml, options, warnings)) {}
+RunFolder::~RunFolder() = default;
+
+const fs::path& RunFolder::path() const { return impl_->path; }
+
+void RunFolder::on_series(const SeriesRow& row) {
+  impl_->series->write(row);
+  const StepReport& s = row.step;
+  const auto solve = [](const SolveStats& stats) {
+    return fmt::format("{}{}", stats.iterations, stats.converged ? "" : " (tolerance missed)");
+  };
+  impl_->log->info(
+      "t {:.6g}  step {}  dt {:.4g} by {}  iterations: pressure {}, viscous {}  max |div u| dt {:.2g}  "
+      "capped cells {}"
+      "  mass {:.8g}  outflow {:.6g}  max speed {:.4g}",
+      s.t, s.step, s.dt, name_of(s.limit), solve(s.pressure), solve(s.viscous), s.max_divergence,
+      s.capped_cells, row.mass, row.outflow, row.max_speed);
+}
+
+void RunFolder::on_fields(const Simulation& simulation) {
+  if (impl_->frames) impl_->frames->write(frame_of(simulation, impl_->fields));
+}
+
+void RunFolder::on_snapshot(const Simulation& simulation) {
+  if (!impl_->can_draw) return;
+  try {
+    fs::create_directories(impl_->path / "snapshots");
+    const Frame frame = frame_of(simulation, impl_->fields);
+    for (const std::string& field : impl_->fields) {
+      render_png(picture_of(field, frame, impl_->info), snapshot_path(impl_->path, field, impl_->snapshots));
+    }
+    ++impl_->snapshots;
+  } catch (const NoGraphics& error) {
+    impl_->can_draw = false;
+    impl_->warn(fmt::format("no snapshots: {}. Draw them later with 'hourglass render'.", error.what()));
+  }
+}
+
+void RunFolder::on_step(const StepReport& report, double fraction_done) {
+  if (!impl_->progress.due(fraction_done)) return;
+  const auto now = std::chrono::steady_clock::now();
+  const double seconds = std::chrono::duration<double>(now - impl_->shown).count();
+  impl_->progress.show(
+      fraction_done, fmt::format("t {:.4g}  dt {:.3g}  {:.3g} steps/s  iterations {}+{}", report.t, report.dt,
+                                 seconds > 0 ? (report.step - impl_->shown_step) / seconds : 0.0,
+                                 report.pressure.iterations, report.viscous.iterations));
+  impl_->shown = now;
+  impl_->shown_step = report.step;
+}
+
+void RunFolder::on_warning(const std::string& warning) { impl_->warn(warning); }
+
+void RunFolder::finish(const Summary& summary) {
+  write_atomically(impl_->path / "summary.json", to_json(summary));
+  const std::string how = fmt::format("{}: {}; {} steps in {}", name_of(summary.status), summary.reason,
+                                      summary.steps, duration_text(summary.wall_seconds));
+  impl_->log->info("{}", how);
+  impl_->progress.say(fmt::format("{}: {}", impl_->path.string(), how));
+}
+
+}  // namespace hourglass

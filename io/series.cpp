@@ -1,0 +1,41 @@
+#include "io/series.hpp"
+
+#include <fmt/format.h>
+
+namespace hourglass {
+namespace {
+
+std::string csv_cell(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out.append(c == '"' ? 2 : 1, c);
+  return out + '"';
+}
+
+}  // namespace
+
+std::string series_header(const Scene& scene) {
+  std::string out = "t,step,dt,mass,outflow";
+  for (std::size_t k = 0; k < scene.orifices.size(); ++k) out += fmt::format(",outflow_{}", k);
+  for (const Material& m : scene.materials) {
+    out += ',' + csv_cell(m.name + "_mass") + ',' + csv_cell(m.name + "_outflow");
+  }
+  return out +
+         ",quasi_static_fraction,max_speed,iterations_pressure,iterations_viscous,iterations_fluidity,"
+         "max_divergence,capped_cells,wall_seconds,dt_limit";
+}
+
+std::string series_text(const SeriesRow& row) {
+  const StepReport& s = row.step;
+  std::string out = fmt::format("{},{},{},{},{}", s.t, s.step, s.dt, row.mass, row.outflow);
+  for (const double q : row.orifice_outflow) out += fmt::format(",{}", q);
+  for (std::size_t m = 0; m < row.material_mass.size(); ++m) {
+    out += fmt::format(",{},{}", row.material_mass[m], row.material_outflow[m]);
+  }
+  const int iterations_fluidity = 0;  // the local law solves none
+  return out + fmt::format(",{},{},{},{},{},{},{},{},{}", row.quasi_static_fraction, row.max_speed,
+                           s.pressure.iterations, s.viscous.iterations, iterations_fluidity, s.max_divergence,
+                           s.capped_cells, row.wall_seconds, name_of(s.limit));
+}
+
+}  // namespace hourglass

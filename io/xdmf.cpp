@@ -1,0 +1,263 @@
+#include "io/xdmf.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "io/files.hpp"
+#include "io/hdf5.hpp"
+
+namespace hourglass {
+namespace {
+
+constexpr const char* format_name = "hourglass fields 1";
+
+/// The enumerator that goes by this name; the first for an unknown one.
+template <class Enum, std::size_t n>
+Enum named(const std::string& name, const std::array<const char*, n>& names) {
+  return static_cast<Enum>(
+      static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin()) % n);
+}
+
+std::string frame_name(int frame) { return fmt::format("{:06}", frame); }
+
+std::string xml(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+    }
+  }
+  return out;
+}
+
+/// One dataset of cell data with as many components as there are fields, padded with zeros to `components`.
+void write_cells(hid_t group, const std::string& name, const std::string& unit, double t,
+                 const std::vector<const CellField*>& fields, int components, int deflate) {
+  const Patch& patch = fields[0]->patch();
+  std::vector<float> values(patch.cells() * components);
+  for (int c = 0; c < static_cast<int>(fields.size()); ++c) {
+    float* out = values.data() + c;
+    for (int j = 0; j < patch.ny; ++j) {
+      for (int i = 0; i < patch.nx; ++i, out += components) *out = static_cast<float>((*fields[c])(i, j));
+    }
+  }
+  std::vector<hsize_t> extents{static_cast<hsize_t>(patch.ny), static_cast<hsize_t>(patch.nx)};
+  if (components > 1) extents.push_back(components);
+
+  const h5::Id shape = h5::space(extents);
+  const h5::Id layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, name);
+  if (deflate > 0) {  // in slices of rows, about 1 MiB each
+    const hsize_t row_bytes = static_cast<hsize_t>(patch.nx) * components * sizeof(float);
+    std::vector<hsize_t> slice = extents;
+    slice[0] = std::clamp<hsize_t>((hsize_t{1} << 20) / row_bytes, 1, extents[0]);
+    h5::checked(H5Pset_chunk(layout, static_cast<int>(slice.size()), slice.data()), name);
+    h5::checked(H5Pset_shuffle(layout), name);
+    h5::checked(H5Pset_deflate(layout, deflate), name);
+  }
+  h5::Id set(H5Dcreate2(group, name.c_str(), H5T_IEEE_F32LE, shape, H5P_DEFAULT, layout, H5P_DEFAULT),
+             H5Dclose, name);
+  h5::checked(H5Dwrite(set, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), name);
+  h5::write_attribute(set, "name", name);
+  h5::write_attribute(set, "units", unit);
+  h5::write_attribute(set, "location", std::string("cell"));
+  h5::write_attribute(set, "time", t);
+  set.close(name);
+}
+
+std::string xdmf_attribute(const std::string& frame, const std::string& name, const Patch& patch,
+                           int components) {
+  return fmt::format(
+      "        <Attribute Name=\"{0}\" AttributeType=\"{1}\" Center=\"Cell\">\n"
+      "          <DataItem Format=\"HDF\" NumberType=\"Float\" Precision=\"4\" Dimensions=\"{2} {3}{4}\">"
+      "fields.h5:/frames/{5}/{0}</DataItem>\n"
+      "        </Attribute>\n",
+      xml(name), components > 1 ? "Vector" : "Scalar", patch.ny, patch.nx,
+      components > 1 ? fmt::format(" {}", components) : "", frame);
+}
+
+std::string xdmf_grid(const std::string& frame, const RunInfo& info, const Frame& data) {
+  const Patch& p = info.patch;
+  std::string out = fmt::format(
+      "      <Grid Name=\"{}\" GridType=\"Uniform\">\n"
+      "        <Time Value=\"{}\"/>\n"
+      "        <Topology TopologyType=\"2DCoRectMesh\" Dimensions=\"{} {}\"/>\n"
+      "        <Geometry GeometryType=\"ORIGIN_DXDY\">\n"
+      "          <DataItem Format=\"XML\" NumberType=\"Float\" Precision=\"8\" Dimensions=\"2\">{} "
+      "{}</DataItem>\n"
+      "          <DataItem Format=\"XML\" NumberType=\"Float\" Precision=\"8\" Dimensions=\"2\">{} "
+      "{}</DataItem>\n"
+      "        </Geometry>\n",
+      xml(info.name), data.t, p.ny + 1, p.nx + 1, p.y0, p.x0, p.h,
+      p.h);  // slowest index first, as in topology
+  for (const auto& [name, values] : data.fields) out += xdmf_attribute(frame, name, p, 1);
+  out += xdmf_attribute(frame, "velocity", p, 3);
+  return out + "      </Grid>\n";
+}
+
+}  // namespace
+
+FieldWriter::FieldWriter(const std::filesystem::path& folder, const RunInfo& info, int deflate)
+    : h5_(folder / "fields.h5"), xdmf_(folder / "fields.xdmf"), info_(info), deflate_(deflate) {
+  const Patch& p = info.patch;
+  h5::Id file = h5::create(h5_);
+  try {
+    h5::write_attribute(file, "format", std::string(format_name));
+    h5::write_attribute(file, "name", info.name);
+    h5::write_attribute(file, "units", std::string(units_names[static_cast<int>(info.units)]));
+    h5::write_attribute(file, "cells", {double(p.nx), double(p.ny)}, {2});
+    h5::write_attribute(file, "origin", {p.x0, p.y0}, {2});
+    h5::write_attribute(file, "spacing", p.h);
+    std::vector<std::string> walls;
+    for (const Wall wall : info.walls) walls.push_back(wall_names[static_cast<int>(wall)]);
+    h5::write_attribute(file, "walls", walls);
+    std::vector<double> orifices;
+    for (const Orifice& o : info.orifices) {
+      orifices.insert(orifices.end(), {static_cast<double>(o.wall), o.centre, o.width});
+    }
+    if (!orifices.empty()) h5::write_attribute(file, "orifices", orifices, {info.orifices.size(), 3});
+    h5::write_attribute(file, "materials", info.materials);
+    h5::create_group(file, "frames");
+    file.close("close");
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format("{}: {}", h5_.string(), error.what()));
+  }
+}
+
+void FieldWriter::write(const Frame& frame) {
+  const std::string name = frame_name(frames_);
+  const std::size_t sets = frame.fields.size() + 1, components = frame.fields.size() + 3;
+  // Raw data and, generously, what HDF5 writes about each dataset.
+  reserve_room(h5_, info_.patch.cells() * components * sizeof(float) + (sets + 4) * 8192);
+  try {
+    h5::Id file = h5::open(h5_, H5F_ACC_RDWR);
+    {
+      const h5::Id group = h5::create_group(file, "frames/" + name);
+      h5::write_attribute(group, "time", frame.t);
+      for (const auto& [field, values] : frame.fields) {
+        write_cells(group, field, unit_text(field_info(field).dimension, info_.units), frame.t, {&values}, 1,
+                    deflate_);
+      }
+      write_cells(group, "velocity", unit_text("L/T", info_.units), frame.t,
+                  {&frame.velocity_x, &frame.velocity_y}, 3, deflate_);
+    }
+    h5::checked(H5Fflush(file, H5F_SCOPE_GLOBAL), "flush");
+    file.close("close");
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format("{}: frame {}: {}", h5_.string(), name, error.what()));
+  }
+  grids_ += xdmf_grid(name, info_, frame);
+  write_xdmf();
+  ++frames_;
+}
+
+void FieldWriter::write_xdmf() const {
+  write_atomically(xdmf_,
+                   fmt::format("<?xml version=\"1.0\" encoding=\"utf-8\"?>\n"
+                               "<Xdmf Version=\"3.0\">\n"
+                               "  <Domain>\n"
+                               "    <Grid Name=\"{}\" GridType=\"Collection\" CollectionType=\"Temporal\">\n"
+                               "{}"
+                               "    </Grid>\n"
+                               "  </Domain>\n"
+                               "</Xdmf>\n",
+                               xml(info_.name), grids_));
+}
+
+FieldReader::FieldReader(const std::filesystem::path& run) : h5_(run / "fields.h5") {
+  try {
+    const h5::Id file = h5::open(h5_, H5F_ACC_RDONLY);
+    if (!h5::has_attribute(file, "format") || h5::read_string(file, "format") != format_name) {
+      throw std::runtime_error("not a file of fields by this version of hourglass");
+    }
+    info_.name = h5::read_string(file, "name");
+    info_.units = named<Units>(h5::read_string(file, "units"), units_names);
+    const auto cells = h5::read_numbers(file, "cells"), origin = h5::read_numbers(file, "origin");
+    info_.patch = {int(cells.at(0)), int(cells.at(1)), h5::read_number(file, "spacing"), origin.at(0),
+                   origin.at(1)};
+    const auto walls = h5::read_strings(file, "walls");
+    for (int s = 0; s < 4; ++s) info_.walls[s] = named<Wall>(walls.at(s), wall_names);
+    if (h5::has_attribute(file, "orifices")) {
+      const auto o = h5::read_numbers(file, "orifices");
+      for (std::size_t k = 0; k + 2 < o.size(); k += 3) {
+        info_.orifices.push_back({static_cast<Side>(int(o[k])), o[k + 1], o[k + 2]});
+      }
+    }
+    info_.materials = h5::read_strings(file, "materials");
+    const h5::Id frames = h5::group(file, "frames");
+    H5G_info_t about;
+    h5::checked(H5Gget_info(frames, &about), "frames");
+    for (hsize_t k = 0; k < about.nlinks; ++k) {
+      times_.push_back(h5::read_number(h5::group(frames, frame_name(static_cast<int>(k))), "time"));
+    }
+  } catch (const std::runtime_error& error) {
+    const std::string what = error.what();
+    throw std::runtime_error(what.rfind(h5_.string(), 0) == 0 ? what
+                                                              : fmt::format("{}: {}", h5_.string(), what));
+  }
+}
+
+std::vector<std::string> FieldReader::names(int frame) const {
+  const h5::Id file = h5::open(h5_, H5F_ACC_RDONLY);
+  const h5::Id group = h5::group(file, "frames/" + frame_name(frame));
+  std::vector<std::string> names;
+  const auto keep = [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
+    if (std::string(name) != "velocity") static_cast<std::vector<std::string>*>(out)->push_back(name);
+    return 0;
+  };
+  h5::checked(H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, keep, &names), h5_.string());
+  return names;
+}
+
+Frame FieldReader::read(int frame, const std::vector<std::string>& fields) const {
+  const h5::Id file = h5::open(h5_, H5F_ACC_RDONLY);
+  const h5::Id group = h5::group(file, "frames/" + frame_name(frame));
+  const Patch& patch = info_.patch;
+  std::vector<double> values(patch.cells() * 3);
+  const auto read = [&](const std::string& name, std::size_t components) {
+    const h5::Id set(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, name);
+    const h5::Id shape(H5Dget_space(set), H5Sclose, name);
+    if (H5Sget_simple_extent_npoints(shape) != static_cast<hssize_t>(patch.cells() * components)) {
+      throw std::runtime_error(fmt::format("{}: {}: wrong extents", h5_.string(), name));
+    }
+    h5::checked(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), name);
+  };
+  const auto component = [&](int c, int components) {
+    CellField field(patch);
+    const double* in = values.data() + c;
+    for (int j = 0; j < patch.ny; ++j) {
+      for (int i = 0; i < patch.nx; ++i, in += components) field(i, j) = *in;
+    }
+    return field;
+  };
+
+  Frame out;
+  out.t = times_.at(frame);
+  for (const std::string& name : fields) {
+    if (H5Lexists(group, name.c_str(), H5P_DEFAULT) <= 0 || name == "velocity") {
+      throw std::invalid_argument(fmt::format("{}: field '{}' is not stored; stored are: {}", h5_.string(),
+                                              name, fmt::join(names(frame), ", ")));
+    }
+    read(name, 1);
+    out.fields.emplace_back(name, component(0, 1));
+  }
+  read("velocity", 3);
+  out.velocity_x = component(0, 3);
+  out.velocity_y = component(1, 3);
+  return out;
+}
+
+}  // namespace hourglass
