@@ -11,6 +11,7 @@
 #include "solver/boundary_of.hpp"
 #include "solver/diagnostics.hpp"
 #include "solver/step.hpp"
+#include "solver/thread_governor.hpp"
 #include "solver/time_step.hpp"
 
 namespace hourglass {
@@ -31,7 +32,7 @@ struct Simulation::Impl {
   explicit Impl(const Scene& s)
       : scene(s), boundary(boundary_of(scene)), threads(threads_of(scene)),
         fields(scene.patch(), static_cast<int>(scene.materials.size())),
-        stepper(make_stepper(scene, boundary, threads)), orifice_mass(scene.orifices.size()),
+        stepper(make_stepper(scene, boundary, threads)), governor(threads), orifice_mass(scene.orifices.size()),
         orifice_material(scene.materials.size()) {}
 
   Scene scene;
@@ -39,8 +40,9 @@ struct Simulation::Impl {
   int threads;
   Fields fields;
   std::unique_ptr<Stepper> stepper;
+  ThreadGovernor governor;
   Timers timers;
-  double t = 0;
+  double t = 0, dt = 0;  // dt of the last step; 0 before the first
   long steps = 0;
   std::vector<double> orifice_mass;      // by orifice, all materials
   std::vector<double> orifice_material;  // by material, all orifices
@@ -48,7 +50,7 @@ struct Simulation::Impl {
 
   void fill();
   void account();
-  SeriesRow row(const StepReport& report, const SeriesRow* last) const;
+  SeriesRow row(const StepReport& report) const;
 };
 
 /// Paints the fills in order, each cell by the share that a polygon covers.
@@ -95,7 +97,8 @@ void Simulation::Impl::account() {
         other_mass += mass;
 }
 
-SeriesRow Simulation::Impl::row(const StepReport& report, const SeriesRow* last) const {
+/// State of the accounts; the outflows are totals since the start.
+SeriesRow Simulation::Impl::row(const StepReport& report) const {
   SeriesRow r;
   r.step = report;
   r.material_mass = masses_by_material(scene, fields, threads);
@@ -103,9 +106,8 @@ SeriesRow Simulation::Impl::row(const StepReport& report, const SeriesRow* last)
   const double g = std::hypot(scene.gravity[0], scene.gravity[1]);
   r.quasi_static_fraction = slow_fraction(fields, 1e-3 * std::sqrt(g * scene.materials[0].diameter), threads);
   r.max_speed = fastest_grains(fields, threads);
-  r.orifice_outflow = orifice_mass;  // totals here; run() turns them into rates
+  r.orifice_outflow = orifice_mass;
   r.material_outflow = orifice_material;
-  (void)last;
   return r;
 }
 
@@ -147,13 +149,19 @@ StepReport Simulation::step(double t_limit) {
   Impl& s = *impl_;
   StepReport report;
   fill_velocity_halo(s.boundary, s.fields.u, s.fields.v);  // cheap, and callers may have set the velocity
+  const auto start = Clock::now();
+  s.threads = s.governor.next();
+  s.stepper->set_threads(s.threads);
   FastestCells fastest;
   s.timers.time("time step", [&] { fastest = fastest_cells(s.fields, s.threads); });
   if (!std::isfinite(fastest.near_grains + fastest.air)) throw std::runtime_error(not_finite(s.fields));
-  const TimeStep dt = choose_time_step(s.scene, fastest, s.fields.patch().h, t_limit - s.t);
+  const TimeStep dt = choose_time_step(s.scene, fastest, s.fields.patch().h, s.dt, t_limit - s.t);
   s.stepper->step(s.fields, dt.dt, s.steps % 2 == 0, s.timers, report);
   s.account();
+  // A viscous iteration costs about two of the pressure's, and all the rest about two viscous ones.
+  s.governor.record(4 + 2 * report.viscous.iterations + report.pressure.iterations, seconds_since(start));
   s.t = dt.limit == DtLimit::end ? t_limit : s.t + dt.dt;
+  if (dt.limit != DtLimit::end) s.dt = dt.dt;
   ++s.steps;
   report.step = s.steps;
   report.t = s.t;
@@ -196,7 +204,7 @@ Summary Simulation::run(const std::vector<Observer*>& observers) {
   Impl& s = *impl_;
   const Scene& scene = s.scene;
   Summary summary;
-  summary.threads = s.threads;
+  summary.threads = threads_of(scene);
   summary.cells = s.fields.patch().cells();
   const auto tell = [&](auto&& f) {
     for (Observer* o : observers) f(*o);
@@ -216,7 +224,7 @@ Summary Simulation::run(const std::vector<Observer*>& observers) {
 
   const auto emit_series = [&](const StepReport& report, bool forced) {
     if (!series.due(s.t) && !(forced && last.step.t < s.t)) return;
-    SeriesRow row = s.row(report, &last);
+    SeriesRow row = s.row(report);
     const SeriesRow totals = row;
     const double interval = s.t - last.step.t;
     const auto rate = [&](std::vector<double>& now, const std::vector<double>& before) {

@@ -11,7 +11,7 @@
 namespace hourglass {
 
 /// What limited the time step.
-enum class DtLimit { dt_max, cfl, cfl_air, gravity, end };
+enum class DtLimit { dt_max, cfl, cfl_air, growth, end };
 const char* name_of(DtLimit limit);
 
 struct StepReport {

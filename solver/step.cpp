@@ -23,6 +23,8 @@ class StepperOf final : public Stepper {
         rheology_(scene, patch_, boundary), mass_(patch_), eta_(patch_), star_(patch_), velocity_(patch_),
         viscous_(patch_, boundary), projection_(patch_, boundary) {}
 
+  void set_threads(int threads) override { threads_ = threads; }
+
   void step(Fields& fields, double dt, bool x_first, Timers& timers, StepReport& report) override {
     timers.time("vof", [&] { vof_.advect(fields, dt, x_first, threads_); });
     timers.time("mass", [&] { transport_mass(fields, dt); });
@@ -203,7 +205,7 @@ class StepperOf final : public Stepper {
 
   const Scene& scene_;
   const Boundary& boundary_;
-  const int threads_;
+  int threads_;
   const Patch patch_;
   Vof vof_;
   RheologyStage rheology_;

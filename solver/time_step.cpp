@@ -9,7 +9,7 @@ const char* name_of(DtLimit limit) {
     case DtLimit::dt_max: return "dt_max";
     case DtLimit::cfl: return "cfl";
     case DtLimit::cfl_air: return "cfl_air";
-    case DtLimit::gravity: return "gravity";
+    case DtLimit::growth: return "growth";
     case DtLimit::end: return "end";
   }
   return "";
@@ -40,7 +40,7 @@ FastestCells fastest_cells(const Fields& fields, int threads) {
   return {near.max(), air.max()};
 }
 
-TimeStep choose_time_step(const Scene& scene, const FastestCells& fastest, double h, double t_left) {
+TimeStep choose_time_step(const Scene& scene, const FastestCells& fastest, double h, double dt_before, double t_left) {
   TimeStep best{scene.time.dt_max, DtLimit::dt_max};
   const auto limit = [&](double dt, DtLimit by) {
     if (dt < best.dt) best = {dt, by};
@@ -48,7 +48,11 @@ TimeStep choose_time_step(const Scene& scene, const FastestCells& fastest, doubl
   const double g = std::hypot(scene.gravity[0], scene.gravity[1]);
   if (fastest.near_grains > 0) limit(scene.time.cfl * h / fastest.near_grains, DtLimit::cfl);
   if (fastest.air > 0) limit(0.9 * h / fastest.air, DtLimit::cfl_air);
-  if (g > 0) limit(std::sqrt(scene.time.cfl * h / g), DtLimit::gravity);
+  if (dt_before > 0) {
+    limit(1.25 * dt_before, DtLimit::growth);
+  } else if (g > 0) {
+    limit(0.1 * std::sqrt(h / g), DtLimit::growth);
+  }
   limit(t_left, DtLimit::end);
   return best;
 }
