@@ -1,0 +1,164 @@
+// The command line: parse, load the scene, run, exit code.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "io/provenance.hpp"
+#include "io/render.hpp"
+#include "io/run_folder.hpp"
+#include "io/scene_yaml.hpp"
+#include "solver/simulation.hpp"
+
+using namespace hourglass;
+
+namespace {
+
+enum Exit { finished = 0, failed = 1, wrong_input = 2, by_signal = 128 };
+
+volatile std::sig_atomic_t caught_signal = 0;
+
+/// Ends a run after the step at hand when a signal asks for it.
+class SignalWatch : public Observer {
+ public:
+  SignalWatch() {
+    for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int s) { caught_signal = s; });
+  }
+  std::string interrupt() override {
+    if (!caught_signal) return {};
+    return caught_signal == SIGINT ? "interrupted by SIGINT" : "interrupted by SIGTERM";
+  }
+};
+
+struct Arguments {
+  std::string scene, out, run;
+  std::vector<std::string> sets, fields;
+  std::vector<double> times;
+  int threads = -1;
+  bool resume = false, force = false, quiet = false;
+};
+
+/// Prints what is wrong with the scene, or doubtful.
+void print(const std::vector<Diagnostic>& diagnostics) {
+  for (const Diagnostic& d : diagnostics) fmt::print(stderr, "{}\n", d.text());
+}
+
+Loaded load(const Arguments& a) {
+  std::vector<std::string> sets = a.sets;
+  if (a.threads >= 0) sets.push_back(fmt::format("threads={}", a.threads));
+  return load_scene(a.scene, sets);
+}
+
+int run(const Arguments& a) {
+  if (a.resume) {
+    fmt::print(stderr, "--resume: not in this version. Use --force to run again from the start.\n");
+    return wrong_input;
+  }
+  const Loaded loaded = load(a);
+  print(loaded.diagnostics);
+  if (!loaded.ok()) return wrong_input;
+
+  std::vector<std::string> warnings;
+  for (const Diagnostic& d : loaded.diagnostics) warnings.push_back(d.text());
+  SignalWatch watch;
+  Simulation simulation(loaded.scene);  // before the folder: if memory is short nothing is written
+  RunFolder folder(loaded.scene, to_yaml(loaded.scene), {a.out, a.force, a.quiet}, warnings);
+  const Summary summary = simulation.run({&folder, &watch});
+  folder.finish(summary);
+
+  if (summary.status == Status::diverged) fmt::print(stderr, "{}\n", summary.reason);
+  switch (summary.status) {
+    case Status::diverged:
+      return failed;
+    case Status::interrupted:
+      return by_signal + caught_signal;
+    default:
+      return finished;
+  }
+}
+
+int check(const Arguments& a) {
+  const Loaded loaded = load(a);
+  print(loaded.diagnostics);
+  if (!loaded.ok()) return wrong_input;
+  const Patch patch = loaded.scene.patch();
+  fmt::print("{}: the scene is sound, {} x {} cells of side {:.6g}.\n", a.scene, patch.nx, patch.ny, patch.h);
+  const SolveStats stats = project_noise(loaded.scene);
+  fmt::print(
+      "One projection of noise: {} iterations, max |div u| dt from {:.3g} to {:.3g} (tolerance {:.3g}).\n",
+      stats.iterations, stats.initial, stats.final, stats.tolerance);
+  if (stats.converged) return finished;
+  fmt::print(stderr, "The projection missed its tolerance, worst at cell ({}, {}).\n", stats.worst_i,
+             stats.worst_j);
+  return failed;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments a;
+  CLI::App app{"Granular silo flow: mu(I) rheology, geometric VOF, multigrid projection.", "hourglass"};
+  app.set_version_flag("--version", version_text);
+  app.require_subcommand(1);
+  const auto takes_scene = [&](CLI::App* command) {
+    command->add_option("scene", a.scene, "scene file (YAML)")->required()->type_name("SCENE.yaml");
+    command
+        ->add_option("--set", a.sets,
+                     "change a key for this run, e.g. orifices.0.width=9.375; may be repeated")
+        ->type_name("path=value")
+        ->allow_extra_args(false);
+    command->add_option("--threads", a.threads, "threads to run on; 0: as many as there are cores")
+        ->type_name("N")
+        ->check(CLI::Range(0, 1024));
+  };
+
+  CLI::App* run_command = app.add_subcommand("run", "run a scene; results go to one folder");
+  takes_scene(run_command);
+  run_command->add_option("--out", a.out, "run folder (default: runs/<name of the scene>)")->type_name("DIR");
+  run_command->add_flag("--resume", a.resume, "continue from the last checkpoint (not in this version)");
+  run_command->add_flag("--force", a.force, "replace an earlier run in the same folder");
+  run_command->add_flag("--quiet", a.quiet, "no progress on standard output");
+
+  CLI::App* check_command =
+      app.add_subcommand("check", "say what is wrong with a scene, and project noise with its boundaries");
+  takes_scene(check_command);
+
+  CLI::App* render_command = app.add_subcommand("render", "draw pictures from a stored run");
+  render_command->add_option("run", a.run, "run folder")
+      ->required()
+      ->type_name("RUN")
+      ->check(CLI::ExistingDirectory);
+  render_command
+      ->add_option("--field", a.fields, "field to draw; may be repeated (default: all that are stored)")
+      ->type_name("F")
+      ->allow_extra_args(false);
+  render_command
+      ->add_option("--time", a.times, "draw the frame nearest to this time; may be repeated (default: all)")
+      ->type_name("T")
+      ->allow_extra_args(false);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? finished : wrong_input;
+  }
+  try {
+    if (*run_command) return run(a);
+    if (*check_command) return check(a);
+    return render_run(a.run, a.fields, a.times);
+  } catch (const std::invalid_argument& error) {  // what was asked for cannot be: nothing was written
+    fmt::print(stderr, "{}\n", error.what());
+    return wrong_input;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "out of memory\n");
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+  }
+  return failed;
+}
