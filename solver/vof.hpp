@@ -19,8 +19,8 @@ class Vof {
   Vof(const Patch& patch, int materials, const VofBoundary& boundary = {});
 
   /// Moves fields.grains and fields.tracers by u and v over dt [T], x sweep first or y sweep first (alternate
-  /// for second order). Needs (|u| + |v|) dt < h / 2 to keep the shares in [0, 1] by itself; what lies outside
-  /// all the same is put back beside (clipped()). Leaves in the halo of the shares their linear continuation.
+  /// for second order). Needs (|u| + |v|) dt < h / 2 to keep the shares in [0, 1] by itself; what lies
+  /// outside all the same is put back beside (clipped()). Leaves in the halo of the shares their linear continuation.
   void advect(Fields& fields, double dt, bool x_first, int threads);
 
   /// Volume carried through the faces in the last step, boundary faces included, positive to +x and +y

@@ -103,8 +103,8 @@ struct ThereAndBack {
   double outside = 0;         ///< greatest of all steps
 };
 
-/// Forward with psi for half the steps, back with -psi. A factor g(t) in psi only stretches time, so a published
-/// flow with factor g over T is this flow over T <|g|>, in steps of equal displacement.
+/// Forward with psi for half the steps, back with -psi. A factor g(t) in psi only stretches time, so a
+/// published flow with factor g over T is this flow over T <|g|>, in steps of equal displacement.
 ThereAndBack there_and_back(const Plane& psi, double time, double max_speed, Fields& f) {
   const Fields start = f;
   Vof vof(f.patch(), 1 + static_cast<int>(f.tracers.size()));
