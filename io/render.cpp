@@ -24,7 +24,7 @@ namespace {
 constexpr int full_width = 1400, tall_height = 1300, least_bar = 420;
 constexpr int margin = 26, wall = 6, tick = 10, gap = 10, bar_width = 32;
 constexpr int tick_font = 27, label_font = 31;
-constexpr int widest_spacing = 40, closest_spacing = 24,
+constexpr int widest_spacing = 42, closest_spacing = 24,
               rows_of_arrows = 7;  // closer where there is little room
 constexpr double arrow_decades = 3;
 
@@ -99,30 +99,34 @@ struct Arrow {
   double speed;
 };
 
-/// One for each block of cells, at the middle of the block, where it lies in grains.
+/// Evenly spread over the domain, where they lie in grains.
 std::vector<Arrow> arrows_of(const Picture& picture, double cell_pixels) {
   std::vector<Arrow> arrows;
   if (!picture.velocity_x.allocated()) return arrows;
   const Patch& p = picture.values.patch();
-  const double arrow_spacing = std::clamp<double>(std::min(p.nx, p.ny) * cell_pixels / rows_of_arrows,
-                                                  closest_spacing, widest_spacing);
-  const int block = std::max(1, static_cast<int>(std::lround(arrow_spacing / cell_pixels)));
+  const double wanted = std::clamp<double>(std::min(p.nx, p.ny) * cell_pixels / rows_of_arrows,
+                                           closest_spacing, widest_spacing) /
+                        cell_pixels;
+  const int across = std::max(1, static_cast<int>(p.nx / wanted)),
+            up = std::max(1, static_cast<int>(p.ny / wanted));
   double fastest = 0;
-  for (int j = (p.ny % block + block) / 2; j < p.ny; j += block) {
-    for (int i = (p.nx % block + block) / 2; i < p.nx; i += block) {
-      const double u = picture.velocity_x(i, j), v = picture.velocity_y(i, j), speed = std::hypot(u, v);
-      if (picture.grains(i, j) < 0.5 || !std::isfinite(speed)) continue;
-      arrows.push_back({i + 0.5, j + 0.5, u, v, speed});
+  for (int b = 0; b < up; ++b) {
+    for (int a = 0; a < across; ++a) {
+      const double x = (a + 0.5) * p.nx / across, y = (b + 0.5) * p.ny / up;
+      const double u = interpolate(picture.velocity_x, x, y), v = interpolate(picture.velocity_y, x, y);
+      const double speed = std::hypot(u, v);
+      if (interpolate(picture.grains, x, y) < 0.5 || !std::isfinite(speed)) continue;
+      arrows.push_back({x, y, u, v, speed});
       fastest = std::max(fastest, speed);
     }
   }
   const double least = fastest * std::pow(10.0, -arrow_decades);
-  const double longest = std::max<double>(block, arrow_spacing / cell_pixels);
-  for (Arrow& a : arrows) {
-    const double decades = std::log10(a.speed / least) / arrow_decades;
-    const double stretch = longest * (0.25 + 0.7 * decades) / a.speed;
-    a.dx *= stretch;
-    a.dy *= stretch;
+  const double longest = std::min(double(p.nx) / across, double(p.ny) / up);
+  for (Arrow& arrow : arrows) {
+    const double decades = std::log10(arrow.speed / least) / arrow_decades;
+    const double stretch = longest * (0.25 + 0.7 * decades) / arrow.speed;
+    arrow.dx *= stretch;
+    arrow.dy *= stretch;
   }
   std::erase_if(arrows, [&](const Arrow& a) {
     const double tail = interpolate(picture.grains, a.x - a.dx / 2, a.y - a.dy / 2);
@@ -304,7 +308,7 @@ void stamp(vtkImageData* image, const Arrow& arrow, double cell_pixels) {
   const double ex = arrow.dx * cell_pixels / length, ey = arrow.dy * cell_pixels / length;
   const double tip = length / 2, neck = tip - std::min(head_length, 0.7 * length), reach = tip + 2;
   const unsigned char* under = pixel_at(x, y);
-  const Colour colour = 0.299 * under[0] + 0.587 * under[1] + 0.114 * under[2] > 85 ? black : white;
+  const Colour colour = 0.299 * under[0] + 0.587 * under[1] + 0.114 * under[2] > 102 ? black : white;
   for (int b = std::max(0, int(y - reach)); b <= std::min(extent[1] - 1, int(y + reach)); ++b) {
     for (int a = std::max(0, int(x - reach)); a <= std::min(extent[0] - 1, int(x + reach)); ++a) {
       const double dx = a + 0.5 - x, dy = b + 0.5 - y;

@@ -23,6 +23,7 @@
 
 namespace hourglass {
 namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
 namespace {
 
 constexpr const char* log_name = "run.log";
@@ -154,7 +155,7 @@ struct RunFolder::Impl {
     log->info("{}, {}, {} cores, {} threads", p.host, p.cpu, p.cores, p.threads);
     log->info("{} x {} cells, side {:.6g} {}", info.patch.nx, info.patch.ny, info.patch.h,
               unit_text("L", info.units));
-    for (const std::string& warning : warnings) log->info("warning: {}", warning);
+    for (const std::string& warning : warnings) log->info("{}", warning);
     write_atomically(path / "scene.yaml", resolved_yaml);
     series.emplace(path / "series.csv", scene);
     if (scene.output.fields_every > 0) frames.emplace(path, info);
@@ -176,7 +177,8 @@ struct RunFolder::Impl {
   int snapshots = 0;
 
   Progress progress;
-  std::chrono::steady_clock::time_point shown = std::chrono::steady_clock::now();
+  Clock::time_point shown = Clock::now();
+  Clock::duration writing{};  ///< since then, which is no part of steps/s
   long shown_step = 0;
 };
 
@@ -202,11 +204,14 @@ void RunFolder::on_series(const SeriesRow& row) {
 }
 
 void RunFolder::on_fields(const Simulation& simulation) {
+  const auto start = Clock::now();
   if (impl_->frames) impl_->frames->write(frame_of(simulation, impl_->fields));
+  impl_->writing += Clock::now() - start;
 }
 
 void RunFolder::on_snapshot(const Simulation& simulation) {
   if (!impl_->can_draw) return;
+  const auto start = Clock::now();
   try {
     fs::create_directories(impl_->path / "snapshots");
     const Frame frame = frame_of(simulation, impl_->fields);
@@ -218,17 +223,19 @@ void RunFolder::on_snapshot(const Simulation& simulation) {
     impl_->can_draw = false;
     impl_->warn(fmt::format("no snapshots: {}. Draw them later with 'hourglass render'.", error.what()));
   }
+  impl_->writing += Clock::now() - start;
 }
 
 void RunFolder::on_step(const StepReport& report, double fraction_done) {
   if (!impl_->progress.due(fraction_done)) return;
-  const auto now = std::chrono::steady_clock::now();
-  const double seconds = std::chrono::duration<double>(now - impl_->shown).count();
+  const auto now = Clock::now();
+  const double seconds = std::chrono::duration<double>(now - impl_->shown - impl_->writing).count();
   impl_->progress.show(
       fraction_done, fmt::format("t {:.4g}  dt {:.3g}  {:.3g} steps/s  iterations {}+{}", report.t, report.dt,
                                  seconds > 0 ? (report.step - impl_->shown_step) / seconds : 0.0,
                                  report.pressure.iterations, report.viscous.iterations));
   impl_->shown = now;
+  impl_->writing = {};
   impl_->shown_step = report.step;
 }
 

@@ -78,31 +78,32 @@ void write_cells(hid_t group, const std::string& name, const std::string& unit, 
   set.close(name);
 }
 
-std::string xdmf_attribute(const std::string& frame, const std::string& name, const Patch& patch,
+// The plane is written as a slab one cell thick: ParaView's three XDMF readers agree on it, while all of them
+// lay a 2DCoRectMesh into the y-z plane, across its own velocities.
+std::string xdmf_attribute(const std::string& frame, const std::string& name, const Patch& p,
                            int components) {
   return fmt::format(
       "        <Attribute Name=\"{0}\" AttributeType=\"{1}\" Center=\"Cell\">\n"
-      "          <DataItem Format=\"HDF\" NumberType=\"Float\" Precision=\"4\" Dimensions=\"{2} {3}{4}\">"
+      "          <DataItem Format=\"HDF\" NumberType=\"Float\" Precision=\"4\" Dimensions=\"1 {2} {3}{4}\">"
       "fields.h5:/frames/{5}/{0}</DataItem>\n"
       "        </Attribute>\n",
-      xml(name), components > 1 ? "Vector" : "Scalar", patch.ny, patch.nx,
+      name, components > 1 ? "Vector" : "Scalar", p.ny, p.nx,
       components > 1 ? fmt::format(" {}", components) : "", frame);
 }
 
 std::string xdmf_grid(const std::string& frame, const RunInfo& info, const Frame& data) {
   const Patch& p = info.patch;
-  std::string out = fmt::format(
-      "      <Grid Name=\"{}\" GridType=\"Uniform\">\n"
-      "        <Time Value=\"{}\"/>\n"
-      "        <Topology TopologyType=\"2DCoRectMesh\" Dimensions=\"{} {}\"/>\n"
-      "        <Geometry GeometryType=\"ORIGIN_DXDY\">\n"
-      "          <DataItem Format=\"XML\" NumberType=\"Float\" Precision=\"8\" Dimensions=\"2\">{} "
-      "{}</DataItem>\n"
-      "          <DataItem Format=\"XML\" NumberType=\"Float\" Precision=\"8\" Dimensions=\"2\">{} "
-      "{}</DataItem>\n"
+  std::string out = fmt::format(  // z, y, x: slowest index first
+      "      <Grid Name=\"{0}\" GridType=\"Uniform\">\n"
+      "        <Time Value=\"{1}\"/>\n"
+      "        <Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"2 {2} {3}\"/>\n"
+      "        <Geometry GeometryType=\"ORIGIN_DXDYDZ\">\n"
+      "          <DataItem Format=\"XML\" NumberType=\"Float\" Precision=\"8\" Dimensions=\"3\">{4} {5} "
+      "{6}</DataItem>\n"
+      "          <DataItem Format=\"XML\" NumberType=\"Float\" Precision=\"8\" Dimensions=\"3\">{7} {7} "
+      "{7}</DataItem>\n"
       "        </Geometry>\n",
-      xml(info.name), data.t, p.ny + 1, p.nx + 1, p.y0, p.x0, p.h,
-      p.h);  // slowest index first, as in topology
+      xml(info.name), data.t, p.ny + 1, p.nx + 1, -p.h / 2, p.y0, p.x0, p.h);
   for (const auto& [name, values] : data.fields) out += xdmf_attribute(frame, name, p, 1);
   out += xdmf_attribute(frame, "velocity", p, 3);
   return out + "      </Grid>\n";

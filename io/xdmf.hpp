@@ -10,6 +10,8 @@
 //                              location ("cell"), time
 //   /frames/000012/velocity    float32 [ny][nx][3]
 //
+// fields.xdmf shows the plane as a slab one cell thick around z = 0.
+//
 // The file is closed between frames, and fields.xdmf is replaced after it: a run that is killed leaves both
 // readable up to the last frame. All failures are std::runtime_error "<path>: <reason>"; earlier frames stay.
 #include <filesystem>
