@@ -11,6 +11,7 @@
 //
 // A x = b has the unit of force. Fixed faces (walls) have inverse diagonal 0: they keep the value 0 and residual 0.
 // Halos of eta are 0 and halos of x are 0, except where periodic; corner weights at walls sit in eta_n (SideFaces).
+#include <algorithm>
 #include <cmath>
 
 #include "kernels/boundary.hpp"
@@ -34,7 +35,9 @@ struct ViscousCoefficients {
   }
 };
 
-/// Row j of the u-equations: the stencil, written once. X is the precision of the unknown.
+/// Row j of the u-equations: the stencil, written once. X is the precision of the unknown. Differences are taken
+/// before eta multiplies them: in float, eta U - eta U would leave a force of 1e-7 eta U on a body that moves as a
+/// whole, more than what holds it where eta is large.
 template <class T, class X>
 struct URow {
   const T *ec, *nn, *ns;
@@ -42,11 +45,11 @@ struct URow {
   URow(const ViscousCoefficients<T>& a, const VelocityOf<X>& x, int j)
       : ec(a.eta_c.row(j)), nn(a.eta_n.row(j + 1)), ns(a.eta_n.row(j)), u(x.u.row(j)), un(x.u.row(j + 1)),
         us(x.u.row(j - 1)), vn(x.v.row(j + 1)), vs(x.v.row(j)) {}
-  X off_diagonal(int i) const {
-    return X(2) * (X(ec[i]) * u[i + 1] + X(ec[i - 1]) * u[i - 1]) + X(nn[i]) * (un[i] + (vn[i] - vn[i - 1])) +
-           X(ns[i]) * (us[i] - (vs[i] - vs[i - 1]));
+  X stress(int i) const {
+    return X(2) * (X(ec[i]) * (u[i] - u[i + 1]) + X(ec[i - 1]) * (u[i] - u[i - 1])) +
+           (X(nn[i]) * ((u[i] - un[i]) - (vn[i] - vn[i - 1])) +
+            X(ns[i]) * ((u[i] - us[i]) + (vs[i] - vs[i - 1])));
   }
-  X sum_of_eta(int i) const { return X(2) * (X(ec[i]) + X(ec[i - 1])) + (X(nn[i]) + X(ns[i])); }
 };
 
 /// Row j of the v-equations.
@@ -57,25 +60,28 @@ struct VRow {
   VRow(const ViscousCoefficients<T>& a, const VelocityOf<X>& x, int j)
       : en(a.eta_c.row(j)), es(a.eta_c.row(j - 1)), nc(a.eta_n.row(j)), v(x.v.row(j)), vn(x.v.row(j + 1)),
         vs(x.v.row(j - 1)), un(x.u.row(j)), us(x.u.row(j - 1)) {}
-  X off_diagonal(int i) const {
-    return X(2) * (X(en[i]) * vn[i] + X(es[i]) * vs[i]) + X(nc[i + 1]) * (v[i + 1] + (un[i + 1] - us[i + 1])) +
-           X(nc[i]) * (v[i - 1] - (un[i] - us[i]));
+  X stress(int i) const {
+    return X(2) * (X(en[i]) * (v[i] - vn[i]) + X(es[i]) * (v[i] - vs[i])) +
+           (X(nc[i + 1]) * ((v[i] - v[i + 1]) - (un[i + 1] - us[i + 1])) +
+            X(nc[i]) * ((v[i] - v[i - 1]) + (un[i] - us[i])));
   }
-  X sum_of_eta(int i) const { return X(2) * (X(en[i]) + X(es[i])) + (X(nc[i + 1]) + X(nc[i])); }
 };
 
 /// Gauss-Seidel on the points of row j with i + j of the given parity (colour 0 or 1).
-/// in: x, halo 1; b, coefficients; scratch: nx + 1 values; out: row j of x.u. 3 coefficient reads, b, x: 24 B/point (float).
+/// in: x, halo 1; b, coefficients; scratch: nx + 1 values; out: row j of x.u. 4 coefficient reads, b, x:
+/// 28 B/point (float).
 template <class T>
 void relax_u_row(const ViscousCoefficients<T>& a, VelocityOf<T>& x, const VelocityOf<T>& b, int j, int colour,
                  T* __restrict scratch) {
   const URow<T, T> row(a, x, j);
   const T* __restrict rhs = b.u.row(j);
+  const T* __restrict m = a.mass.u.row(j);
+  const T* __restrict old = x.u.row(j);
   const T* __restrict inv = a.inverse_diagonal.u.row(j);
   const int n = x.u.nx(), first = (colour + j) & 1;
   // The new row goes through scratch: stores into x would be reloaded by the next vector's x[i - 1].
 #pragma omp simd
-  for (int i = 0; i < n; ++i) scratch[i] = inv[i] * (rhs[i] + row.off_diagonal(i));
+  for (int i = 0; i < n; ++i) scratch[i] = old[i] + inv[i] * (rhs[i] - m[i] * old[i] - row.stress(i));
   T* __restrict out = x.u.row(j);
 #pragma omp simd
   for (int i = 0; i < n; ++i) out[i] = (i & 1) == first ? scratch[i] : out[i];
@@ -86,10 +92,12 @@ void relax_v_row(const ViscousCoefficients<T>& a, VelocityOf<T>& x, const Veloci
                  T* __restrict scratch) {
   const VRow<T, T> row(a, x, j);
   const T* __restrict rhs = b.v.row(j);
+  const T* __restrict m = a.mass.v.row(j);
+  const T* __restrict old = x.v.row(j);
   const T* __restrict inv = a.inverse_diagonal.v.row(j);
   const int n = x.v.nx(), first = (colour + j) & 1;
 #pragma omp simd
-  for (int i = 0; i < n; ++i) scratch[i] = inv[i] * (rhs[i] + row.off_diagonal(i));
+  for (int i = 0; i < n; ++i) scratch[i] = old[i] + inv[i] * (rhs[i] - m[i] * old[i] - row.stress(i));
   T* __restrict out = x.v.row(j);
 #pragma omp simd
   for (int i = 0; i < n; ++i) out[i] = (i & 1) == first ? scratch[i] : out[i];
@@ -106,7 +114,7 @@ void apply_viscous_row(const ViscousCoefficients<T>& a, const VelocityOf<X>& x, 
     const int n = x.u.nx();
 #pragma omp simd
     for (int i = 0; i < n; ++i) {
-      const X full = (X(m[i]) + row.sum_of_eta(i)) * row.u[i] - row.off_diagonal(i);
+      const X full = X(m[i]) * row.u[i] + row.stress(i);
       out[i] = inv[i] != T(0) ? full : X(0);
     }
   } else {
@@ -116,7 +124,7 @@ void apply_viscous_row(const ViscousCoefficients<T>& a, const VelocityOf<X>& x, 
     const int n = x.v.nx();
 #pragma omp simd
     for (int i = 0; i < n; ++i) {
-      const X full = (X(m[i]) + row.sum_of_eta(i)) * row.v[i] - row.off_diagonal(i);
+      const X full = X(m[i]) * row.v[i] + row.stress(i);
       out[i] = inv[i] != T(0) ? full : X(0);
     }
   }
@@ -152,8 +160,9 @@ void fill_inverse_diagonal(Team& team, const Boundary& boundary, ViscousCoeffici
   }
 }
 
-/// Coefficients of the next coarser level: eta_c by the mean of 4, eta_n and m by full weighting. Arithmetic means bound
-/// the Galerkin operator from above, so the coarse correction never overshoots (numerics 1.3).
+/// Coefficients of the next coarser level by full weighting with the weights of P: 1-3-3-1 across (eta_c in both
+/// directions), 1-2-1 along. Means over all that P reaches bound the Galerkin operator from above to within 4/3,
+/// so the coarse correction never overshoots (numerics 1.3); a mean of 4 for eta_c does, by the contrast / 300.
 /// in: fine, halo 1; out: coarse, but for its halo and inverse diagonal. Rows of this member; sync before and after.
 template <class T>
 void coarsen_viscous(Team& team, const ViscousCoefficients<T>& fine, bool periodic_x, ViscousCoefficients<T>& coarse) {
@@ -161,27 +170,37 @@ void coarsen_viscous(Team& team, const ViscousCoefficients<T>& fine, bool period
   const Rows rows = team.rows(ny + 1);
   for (int j = rows.begin; j < rows.end; ++j) {
     if (j < ny) {
-      const T *e0 = fine.eta_c.row(2 * j), *e1 = fine.eta_c.row(2 * j + 1);
+      const int below = std::max(2 * j - 1, 0), above = std::min(2 * j + 2, 2 * ny - 1);
+      const auto across = [&](const auto& f, int i) {  // 1-3-3-1 over rows
+        return T(0.375) * (f(i, 2 * j) + f(i, 2 * j + 1)) + T(0.125) * (f(i, below) + f(i, above));
+      };
       T* __restrict ec = coarse.eta_c.row(j);
-      for (int i = 0; i < nx; ++i)
-        ec[i] = T(0.25) * ((e0[2 * i] + e0[2 * i + 1]) + (e1[2 * i] + e1[2 * i + 1]));
-      const T *m0 = fine.mass.u.row(2 * j), *m1 = fine.mass.u.row(2 * j + 1);
+      for (int i = 0; i < nx; ++i) {
+        const int left = periodic_x ? 2 * i - 1 : std::max(2 * i - 1, 0);
+        const int right = periodic_x ? 2 * i + 2 : std::min(2 * i + 2, 2 * nx - 1);
+        ec[i] = T(0.375) * (across(fine.eta_c, 2 * i) + across(fine.eta_c, 2 * i + 1)) +
+                T(0.125) * (across(fine.eta_c, left) + across(fine.eta_c, right));
+      }
       T* __restrict m = coarse.mass.u.row(j);
       for (int i = 0; i <= nx; ++i) {
-        const T centre = m0[2 * i] + m1[2 * i];
         T sides = 0;
-        if (i > 0 || periodic_x) sides += m0[2 * i - 1] + m1[2 * i - 1];
-        if (i < nx || periodic_x) sides += m0[2 * i + 1] + m1[2 * i + 1];
-        m[i] = centre + T(0.5) * sides;
+        if (i > 0 || periodic_x) sides += across(fine.mass.u, 2 * i - 1);
+        if (i < nx || periodic_x) sides += across(fine.mass.u, 2 * i + 1);
+        m[i] = T(2) * across(fine.mass.u, 2 * i) + sides;
       }
     }
     {
-      const T* mc = fine.mass.v.row(2 * j);
-      const T *ms = fine.mass.v.row(j > 0 ? 2 * j - 1 : 0), *mn = fine.mass.v.row(j < ny ? 2 * j + 1 : 2 * ny);
       const T ws = j > 0 ? T(0.5) : T(0), wn = j < ny ? T(0.5) : T(0);
+      const int south = j > 0 ? 2 * j - 1 : 0, north = j < ny ? 2 * j + 1 : 2 * ny;
+      const auto along = [&](int i) {
+        return fine.mass.v(i, 2 * j) + (ws * fine.mass.v(i, south) + wn * fine.mass.v(i, north));
+      };
       T* __restrict m = coarse.mass.v.row(j);
-      for (int i = 0; i < nx; ++i)
-        m[i] = (mc[2 * i] + mc[2 * i + 1]) + (ws * (ms[2 * i] + ms[2 * i + 1]) + wn * (mn[2 * i] + mn[2 * i + 1]));
+      for (int i = 0; i < nx; ++i) {
+        const int left = periodic_x ? 2 * i - 1 : std::max(2 * i - 1, 0);
+        const int right = periodic_x ? 2 * i + 2 : std::min(2 * i + 2, 2 * nx - 1);
+        m[i] = T(0.75) * (along(2 * i) + along(2 * i + 1)) + T(0.25) * (along(left) + along(right));
+      }
     }
     // Corners: 1-2-1 along a boundary, 1-2-1 x 1-2-1 inside.
     const T* nc = fine.eta_n.row(2 * j);

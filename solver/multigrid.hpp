@@ -36,6 +36,7 @@ class CoarsestSolve {
     x.fill(T(0));
     for (int k = 0; k < rows; ++k)
       for (int i = 0; i < row_of(x, k).n; ++i) {
+        if (level.fixed(k, i)) continue;  // a wall's column would make the matrix unsymmetric, the solve wrong
         row_of(x, k).data[i] = T(1);
         level.wrap(x, k);
         const int column = offsets_[k] + i;
