@@ -5,6 +5,8 @@
 //
 // with q = 0 beyond every boundary: a wall has beta = 0, an open face 2 / rho (p = 0 half a cell away). A q = b with b the
 // sum of face velocities into the cell, so that u - beta (q_right - q_left) is solenoidal.
+#include <algorithm>
+
 #include "kernels/boundary.hpp"
 #include "kernels/team.hpp"
 #include "kernels/velocity.hpp"
@@ -37,7 +39,7 @@ struct PoissonRow {
   X diagonal(int i) const { return (X(bx[i + 1]) + X(bx[i])) + (X(bn[i]) + X(bs[i])); }
 };
 
-/// Gauss-Seidel on the cells of row j with i + j of the given parity. in: x, halo 1 (0, or wrapped); out: row j of x.
+/// Gauss-Seidel on the cells of row j of one colour (take_colour). in: x, halo 1 (0, or wrapped); out: row j of x.
 /// Reads beta 8 B, inverse diagonal 4 B, b 4 B, x 4 B and writes x 4 B a cell (float).
 template <class T>
 void relax_poisson_row(const PoissonCoefficients<T>& a, CellFieldOf<T>& x, const CellFieldOf<T>& b, int j, int colour,
@@ -45,12 +47,10 @@ void relax_poisson_row(const PoissonCoefficients<T>& a, CellFieldOf<T>& x, const
   const PoissonRow<T, T> row(a, x, j);
   const T* __restrict rhs = b.row(j);
   const T* __restrict inv = a.inverse_diagonal.row(j);
-  const int n = x.nx(), first = (colour + j) & 1;
+  const int n = x.nx();
 #pragma omp simd
   for (int i = 0; i < n; ++i) scratch[i] = inv[i] * (rhs[i] + row.off_diagonal(i));
-  T* __restrict out = x.row(j);
-#pragma omp simd
-  for (int i = 0; i < n; ++i) out[i] = (i & 1) == first ? scratch[i] : out[i];
+  take_colour(scratch, n, j, colour, x.row(j));
 }
 
 /// (A x) on row j. in: x, halo 1.
@@ -107,47 +107,41 @@ void restrict_poisson(Team& team, const CellFieldOf<T>& fine, CellFieldOf<T>& co
   }
 }
 
-/// Ghost value of a pressure correction beyond a boundary face: copied at a wall, mirrored with a change of sign where open.
-inline double pressure_ghost(double open) { return 1 - 2 * open; }
-
-/// fine += bilinear interpolation of coarse. Halo of fine is wrapped where periodic, else left 0.
-/// Rows of this member; sync before and after.
+/// Interpolation weight of the neighbour behind a face, in units of the bilinear one: 1 in a uniform medium, towards 0 from a
+/// light cell to a dense one. Across the free surface q is continuous in slope times beta, so in the light medium it hardly
+/// changes and must not follow the dense one; at a wall (beta = 0) it is level.
 template <class T>
-void prolong_poisson(Team& team, const CellFieldOf<T>& coarse, const Boundary& coarse_boundary, CellFieldOf<T>& fine) {
+T interpolation_weight(T beta, T inverse_diagonal) {
+  return std::min(T(1), T(6) * beta * inverse_diagonal);
+}
+
+/// fine += coarse, interpolated by products of (1 - w/4, w/4), w = interpolation_weight; behind an open boundary face stands
+/// -q. Halo of fine is wrapped where periodic, else left 0. scratch: nx + 2 values. Rows of this member; sync before and after.
+template <class T>
+void prolong_poisson(Team& team, const PoissonCoefficients<T>& a, const CellFieldOf<T>& coarse, bool periodic,
+                     CellFieldOf<T>& fine, T* __restrict scratch) {
   const int nx = coarse.nx(), ny = coarse.ny();
-  const bool periodic = coarse_boundary.periodic_x;
   const Rows rows = team.rows(2 * ny);
+  T* __restrict line = scratch + 1;
   for (int j = rows.begin; j < rows.end; ++j) {
     const int cj = j / 2, other = j % 2 == 0 ? cj - 1 : cj + 1;
-    const bool ghost = other < 0 || other >= ny;
-    const T* near = coarse.row(cj);
-    const T* far = ghost ? near : coarse.row(other);
-    const SideFaces& side = other < 0 ? coarse_boundary.bottom : coarse_boundary.top;
-    T* __restrict out = fine.row(j);
-    const auto line = [&](int i) {
-      const T s = ghost ? T(pressure_ghost(side.open[i])) : T(1);
-      return T(0.75) * near[i] + T(0.25) * s * far[i];
-    };
-    const T left = periodic ? line(nx - 1) : T(pressure_ghost(coarse_boundary.left.open[cj])) * line(0);
-    const T right = periodic ? line(0) : T(pressure_ghost(coarse_boundary.right.open[cj])) * line(nx - 1);
-    const auto add = [&](int i, T l, T c, T r) {
-      out[2 * i] += T(0.75) * c + T(0.25) * l;
-      out[2 * i + 1] += T(0.75) * c + T(0.25) * r;
-    };
-    add(0, left, line(0), nx > 1 ? line(1) : right);
-    if (ghost) {
-      for (int i = 1; i < nx - 1; ++i) add(i, line(i - 1), line(i), line(i + 1));
-    } else {
+    const bool outside = other < 0 || other >= ny;
+    const T *near = coarse.row(cj), *far = outside ? near : coarse.row(other);
+    const T sign = outside ? T(-1) : T(1);
+    const T* by = a.beta.v.row(j % 2 == 0 ? cj : cj + 1);
+    const T* bx = a.beta.u.row(cj);
+    const T* inv = a.inverse_diagonal.row(cj);
 #pragma omp simd
-      for (int i = 1; i < nx - 1; ++i) {
-        const T l = T(0.75) * near[i - 1] + T(0.25) * far[i - 1];
-        const T c = T(0.75) * near[i] + T(0.25) * far[i];
-        const T r = T(0.75) * near[i + 1] + T(0.25) * far[i + 1];
-        out[2 * i] += T(0.75) * c + T(0.25) * l;
-        out[2 * i + 1] += T(0.75) * c + T(0.25) * r;
-      }
+    for (int i = 0; i < nx; ++i)
+      line[i] = near[i] + T(0.25) * interpolation_weight(by[i], inv[i]) * (sign * far[i] - near[i]);
+    line[-1] = periodic ? line[nx - 1] : -line[0];
+    line[nx] = periodic ? line[0] : -line[nx - 1];
+    T* __restrict out = fine.row(j);
+#pragma omp simd
+    for (int i = 0; i < nx; ++i) {
+      out[2 * i] += line[i] + T(0.25) * interpolation_weight(bx[i], inv[i]) * (line[i - 1] - line[i]);
+      out[2 * i + 1] += line[i] + T(0.25) * interpolation_weight(bx[i + 1], inv[i]) * (line[i + 1] - line[i]);
     }
-    if (nx > 1) add(nx - 1, line(nx - 2), line(nx - 1), right);
     if (periodic) wrap_row(out, 2 * nx);
   }
 }

@@ -5,7 +5,7 @@
 // depend on the number of threads.
 //
 // Why not OpenMP's own barrier: on a shared machine it spins for milliseconds while a neighbour holds the core
-// that the last thread needs. This one spins for a few microseconds and then sleeps in the kernel.
+// that the last thread needs. This one spins for some ten microseconds and then sleeps in the kernel.
 #include <omp.h>
 
 #include <atomic>
@@ -28,7 +28,7 @@ class Barrier {
       phase_.notify_all();
       return;
     }
-    for (int spin = 0; spin < 4000; ++spin) {
+    for (int spin = 0; spin < 1000; ++spin) {
       if (phase_.load(std::memory_order_acquire) != phase) return;
 #if defined(__x86_64__)
       __builtin_ia32_pause();

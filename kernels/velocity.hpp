@@ -57,6 +57,20 @@ Row<const T> row_of(const VelocityOf<T>& f, int k) {
   return {f.v.row(k / 2), f.v.nx()};
 }
 
+/// Red-black colours of a row: point i of row j has colour (i + j) mod 2, counted from the nearer end of the row, so that a
+/// mirrored problem is smoothed in mirrored order and keeps its symmetry to rounding. In rows with an even number of points the two
+/// at the middle share a colour; they are updated at once from each other's old value.
+/// Takes over the updated values of one colour: out[i] = updated[i] where i has it.
+template <class T>
+void take_colour(const T* __restrict updated, int n, int j, int colour, T* __restrict out) {
+  const int half = n % 2 == 0 ? n / 2 : n;
+  const int left = (colour + j) & 1, right = n % 2 == 0 ? 1 - left : left;
+#pragma omp simd
+  for (int i = 0; i < half; ++i) out[i] = (i & 1) == left ? updated[i] : out[i];
+#pragma omp simd
+  for (int i = half; i < n; ++i) out[i] = (i & 1) == right ? updated[i] : out[i];
+}
+
 /// The same unknown with another number type.
 template <class Unknown, class T>
 struct Rebind;

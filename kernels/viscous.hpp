@@ -67,7 +67,7 @@ struct VRow {
   }
 };
 
-/// Gauss-Seidel on the points of row j with i + j of the given parity (colour 0 or 1).
+/// Gauss-Seidel on the points of row j of one colour, 0 or 1 (take_colour).
 /// in: x, halo 1; b, coefficients; scratch: nx + 1 values; out: row j of x.u. 4 coefficient reads, b, x:
 /// 28 B/point (float).
 template <class T>
@@ -78,13 +78,11 @@ void relax_u_row(const ViscousCoefficients<T>& a, VelocityOf<T>& x, const Veloci
   const T* __restrict m = a.mass.u.row(j);
   const T* __restrict old = x.u.row(j);
   const T* __restrict inv = a.inverse_diagonal.u.row(j);
-  const int n = x.u.nx(), first = (colour + j) & 1;
+  const int n = x.u.nx();
   // The new row goes through scratch: stores into x would be reloaded by the next vector's x[i - 1].
 #pragma omp simd
   for (int i = 0; i < n; ++i) scratch[i] = old[i] + inv[i] * (rhs[i] - m[i] * old[i] - row.stress(i));
-  T* __restrict out = x.u.row(j);
-#pragma omp simd
-  for (int i = 0; i < n; ++i) out[i] = (i & 1) == first ? scratch[i] : out[i];
+  take_colour(scratch, n, j, colour, x.u.row(j));
 }
 
 template <class T>
@@ -95,12 +93,10 @@ void relax_v_row(const ViscousCoefficients<T>& a, VelocityOf<T>& x, const Veloci
   const T* __restrict m = a.mass.v.row(j);
   const T* __restrict old = x.v.row(j);
   const T* __restrict inv = a.inverse_diagonal.v.row(j);
-  const int n = x.v.nx(), first = (colour + j) & 1;
+  const int n = x.v.nx();
 #pragma omp simd
   for (int i = 0; i < n; ++i) scratch[i] = old[i] + inv[i] * (rhs[i] - m[i] * old[i] - row.stress(i));
-  T* __restrict out = x.v.row(j);
-#pragma omp simd
-  for (int i = 0; i < n; ++i) out[i] = (i & 1) == first ? scratch[i] : out[i];
+  take_colour(scratch, n, j, colour, x.v.row(j));
 }
 
 /// (A x) on row k of the unknown (row_of's numbering); 0 on fixed faces. in: x, halo 1.

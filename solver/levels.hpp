@@ -71,7 +71,7 @@ class PoissonLevel {
     team.sync();
   }
   void prolong_to(Team& team, PoissonLevel& fine) const {
-    prolong_poisson(team, x, boundary_, fine.x);
+    prolong_poisson(team, a, x, boundary_.periodic_x, fine.x, row_scratch(x.nx() + 2).data());
     team.sync();
   }
   template <class X>

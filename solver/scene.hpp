@@ -71,7 +71,7 @@ struct Rheology {
   Law law = Law::mu_I;
   double eta_min = 1;              ///< floor of the grains' viscosity [M/T]; rho d sqrt(g d)
   double eta_max = 1.643e6;        ///< cap, taken at rest [M/T]
-  double smoothing_length = 1;     ///< the shear rate is smoothed over this [L]; 0: not at all
+  double smoothing_length = 0.5;    ///< the shear rate is smoothed over this [L]; 0: not at all
   CornerMean corner_mean = CornerMean::harmonic;
   EdgeRule orifice_edge = EdgeRule::half_wall;
   double background_pressure = 0;  ///< added to p in mu(I) and I [M/T^2]; for verification flows

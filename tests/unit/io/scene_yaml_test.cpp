@@ -167,7 +167,7 @@ TEST_CASE("defaults follow the scales of the first material") {
   CHECK(loaded.scene.name == "bad");               // the file's
   CHECK(loaded.scene.rheology.eta_min == Approx(eta));
   CHECK(loaded.scene.rheology.eta_max == Approx(1.643e6 * eta));
-  CHECK(loaded.scene.rheology.smoothing_length == Approx(1e-3));
+  CHECK(loaded.scene.rheology.smoothing_length == Approx(5e-4));
   CHECK(loaded.scene.air.density == Approx(1.5));
   CHECK(loaded.scene.air.viscosity == Approx(0.0164 * eta));
   CHECK(loaded.scene.time.dt_max == 0.5);  // as given

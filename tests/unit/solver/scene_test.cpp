@@ -255,7 +255,7 @@ TEST_CASE("warnings on the rheology") {
     s.materials[0].mu_s = 0.62, s.materials[0].delta_mu = 0.48, s.materials[0].I_0 = 0.6;
   };
   expect(only_problem(medium), warning, "materials.beads",
-         {"ill-posed at every I", "smoothing_length = 1 is what keeps the run independent of the step"});
+         {"ill-posed at every I", "smoothing_length = 0.5 is what keeps the run independent of the step"});
   expect(only_problem([&](Scene& s) {
            medium(s);
            s.rheology.smoothing_length = 0;
