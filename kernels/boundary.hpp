@@ -31,23 +31,23 @@ struct Boundary {
   bool any_open() const;
 };
 
-inline SideFaces coarser(const SideFaces& s) {
+inline SideFaces coarser(const SideFaces& s, bool periodic = false) {
   SideFaces c;
   const int n = static_cast<int>(s.open.size()) / 2;
   c.open.resize(n);
   c.shear.resize(n + 1);
   for (int k = 0; k < n; ++k) c.open[k] = 0.5 * (s.open[2 * k] + s.open[2 * k + 1]);
   for (int k = 0; k <= n; ++k) {
-    const double left = k > 0 ? s.shear[2 * k - 1] : s.shear[0];
-    const double right = k < n ? s.shear[2 * k + 1] : s.shear[2 * n];
+    const double left = s.shear[k > 0 ? 2 * k - 1 : periodic ? 2 * n - 1 : 0];
+    const double right = s.shear[k < n ? 2 * k + 1 : periodic ? 1 : 2 * n];
     c.shear[k] = 0.25 * (left + 2 * s.shear[2 * k] + right);
   }
   return c;
 }
 
 inline Boundary Boundary::coarser() const {
-  return {hourglass::coarser(left), hourglass::coarser(right), hourglass::coarser(bottom), hourglass::coarser(top),
-          periodic_x};
+  return {hourglass::coarser(left), hourglass::coarser(right), hourglass::coarser(bottom, periodic_x),
+          hourglass::coarser(top, periodic_x), periodic_x};
 }
 
 inline bool Boundary::any_open() const {
