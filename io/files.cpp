@@ -18,9 +18,10 @@ namespace {
 
 class Descriptor {
  public:
-  Descriptor(const std::filesystem::path& path, int flags)
-      : path_(path), fd_(::open(path.c_str(), flags, 0666)) {
-    if (fd_ < 0) fail(path, errno);
+  /// Errors name `named`.
+  Descriptor(const std::filesystem::path& path, int flags, const std::filesystem::path& named)
+      : named_(named), fd_(::open(path.c_str(), flags, 0666)) {
+    if (fd_ < 0) fail(named, errno);
   }
   ~Descriptor() {
     if (fd_ >= 0) ::close(fd_);
@@ -29,12 +30,12 @@ class Descriptor {
   Descriptor& operator=(const Descriptor&) = delete;
   /// Network file systems report a full disk only here.
   void close() {
-    if (::close(std::exchange(fd_, -1)) != 0) fail(path_, errno);
+    if (::close(std::exchange(fd_, -1)) != 0) fail(named_, errno);
   }
   operator int() const { return fd_; }
 
  private:
-  const std::filesystem::path& path_;
+  const std::filesystem::path& named_;
   int fd_;
 };
 
@@ -54,7 +55,7 @@ int write_all(int fd, std::string_view bytes) {
 void write_atomically(const std::filesystem::path& path, std::string_view bytes) {
   const std::filesystem::path beside = path.string() + ".new";
   try {
-    Descriptor file(beside, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC);
+    Descriptor file(beside, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, path);
     if (const int error = write_all(file, bytes)) fail(path, error);
     file.close();
   } catch (...) {
@@ -81,7 +82,7 @@ void AppendFile::append(std::string_view text) {
 }
 
 void reserve_room(const std::filesystem::path& path, std::size_t bytes) {
-  Descriptor file(path, O_WRONLY | O_CLOEXEC);
+  Descriptor file(path, O_WRONLY | O_CLOEXEC, path);
   const off_t end = ::lseek(file, 0, SEEK_END);
   if (::fallocate(file, FALLOC_FL_KEEP_SIZE, end, static_cast<off_t>(bytes)) != 0 && errno != EOPNOTSUPP &&
       errno != ENOSYS) {

@@ -131,7 +131,7 @@ FieldWriter::FieldWriter(const std::filesystem::path& folder, const RunInfo& inf
     }
     if (!orifices.empty()) h5::write_attribute(file, "orifices", orifices, {info.orifices.size(), 3});
     h5::write_attribute(file, "materials", info.materials);
-    h5::create_group(file, "frames");
+    h5::create_compact_group(file, "frames", 1000, 6);
     file.close("close");
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(fmt::format("{}: {}", h5_.string(), error.what()));
@@ -145,17 +145,18 @@ void FieldWriter::write(const Frame& frame) {
   reserve_room(h5_, info_.patch.cells() * components * sizeof(float) + (sets + 4) * 8192);
   try {
     h5::Id file = h5::open(h5_, H5F_ACC_RDWR);
-    {
-      const h5::Id group = h5::create_group(file, "frames/" + name);
-      h5::write_attribute(group, "time", frame.t);
-      for (const auto& [field, values] : frame.fields) {
-        write_cells(group, field, unit_text(field_info(field).dimension, info_.units), frame.t, {&values}, 1,
-                    deflate_);
-      }
-      write_cells(group, "velocity", unit_text("L/T", info_.units), frame.t,
-                  {&frame.velocity_x, &frame.velocity_y}, 3, deflate_);
+    const h5::Id group = h5::create_nameless_group(file);
+    h5::write_attribute(group, "time", frame.t);
+    for (const auto& [field, values] : frame.fields) {
+      write_cells(group, field, unit_text(field_info(field).dimension, info_.units), frame.t, {&values}, 1,
+                  deflate_);
     }
+    write_cells(group, "velocity", unit_text("L/T", info_.units), frame.t,
+                {&frame.velocity_x, &frame.velocity_y}, 3, deflate_);
+    // So far nothing that was in the file has changed but its recorded length. The name, which makes the frame
+    // part of the file, is one write more: a run killed at any moment leaves a whole file.
     h5::checked(H5Fflush(file, H5F_SCOPE_GLOBAL), "flush");
+    h5::link(group, h5::group(file, "frames"), name);
     file.close("close");
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(fmt::format("{}: frame {}: {}", h5_.string(), name, error.what()));
