@@ -26,6 +26,7 @@ int columns_of(std::FILE* out) {
 
 std::string duration_text(double seconds) {
   if (!(seconds >= 0 && seconds < 1e9)) return "?";
+  if (seconds < 9.95) return fmt::format("{:.1f} s", seconds);
   const long s = std::lround(seconds);
   if (s < 60) return fmt::format("{} s", s);
   if (s < 3600) return fmt::format("{} min {:02} s", s / 60, s % 60);

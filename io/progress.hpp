@@ -32,7 +32,7 @@ class Progress {
   Clock::time_point start_ = Clock::now(), shown_{};
 };
 
-/// 42 s, 3 min 20 s, 5 h 07 min, 2 d 4 h.
+/// 4.2 s, 42 s, 3 min 20 s, 5 h 07 min, 2 d 4 h.
 std::string duration_text(double seconds);
 
 }  // namespace hourglass

@@ -195,7 +195,7 @@ Layout layout_of(const Picture& picture, const ColourScale& scale) {
   for (int turn = 0; turn < 2; ++turn) {
     l.bar_below = l.h < least_bar;
     l.x_ticks = linear_ticks(p.x0, p.x0 + p.nx * p.h, std::clamp(l.w / 80, 2, 8));
-    l.y_ticks = linear_ticks(p.y0, p.y0 + p.ny * p.h, std::clamp(l.h / 80, 2, 8));
+    l.y_ticks = linear_ticks(p.y0, p.y0 + p.ny * p.h, std::clamp(l.h / 60, 2, 8));
     const int most = std::clamp(l.bar_below ? l.w / 150 : l.h / 80, 2, 6);
     l.bar_ticks =
         scale.log() ? log_ticks(scale.lo(), scale.hi()) : linear_ticks(scale.lo(), scale.hi(), most);
@@ -432,13 +432,14 @@ class Painting : public vtkContextItem {
     for (const Opening& o : picture->openings) {
       const bool upright_side = o.side == Side::left || o.side == Side::right;
       const double origin = upright_side ? p.y0 : p.x0, base = upright_side ? l.y : l.x;
-      const double extent = upright_side ? l.h : l.w;
-      const double begin = base + std::clamp((o.begin - origin) / p.h * l.cell, 0.0, extent);
-      const double end = base + std::clamp((o.end - origin) / p.h * l.cell, 0.0, extent);
+      const double length = (upright_side ? p.ny : p.nx) * p.h, extent = upright_side ? l.h : l.w;
+      const auto pixel = [&](double along) {
+        return base + std::round(extent * std::clamp((along - origin) / length, 0.0, 1.0));
+      };
+      const double begin = pixel(o.begin), end = pixel(o.end);
       const double at[] = {double(l.x - wall), double(l.x + l.w), double(l.y - wall),
                            double(l.y + l.h)};  // by Side
       const double across = at[static_cast<int>(o.side)];
-      pen(context, grey, 2, vtkPen::DASH_LINE);
       if (upright_side) {
         rectangle(context, white, across, begin, wall, end - begin);
         pen(context, grey, 2, vtkPen::DASH_LINE);

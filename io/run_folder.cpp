@@ -173,6 +173,7 @@ struct RunFolder::Impl {
   std::shared_ptr<spdlog::logger> log;
   std::optional<SeriesFile> series;
   std::optional<FieldWriter> frames;
+  std::vector<std::string> own_warnings;
   bool can_draw = true;
   int snapshots = 0;
 
@@ -221,7 +222,10 @@ void RunFolder::on_snapshot(const Simulation& simulation) {
     ++impl_->snapshots;
   } catch (const NoGraphics& error) {
     impl_->can_draw = false;
-    impl_->warn(fmt::format("no snapshots: {}. Draw them later with 'hourglass render'.", error.what()));
+    fs::remove(impl_->path / "snapshots");
+    impl_->own_warnings.push_back(
+        fmt::format("no snapshots: {}. Draw them later with 'hourglass render'.", error.what()));
+    impl_->warn(impl_->own_warnings.back());
   }
   impl_->writing += Clock::now() - start;
 }
@@ -241,7 +245,9 @@ void RunFolder::on_step(const StepReport& report, double fraction_done) {
 
 void RunFolder::on_warning(const std::string& warning) { impl_->warn(warning); }
 
-void RunFolder::finish(const Summary& summary) {
+void RunFolder::finish(const Summary& of_simulation) {
+  Summary summary = of_simulation;
+  summary.warnings.insert(summary.warnings.end(), impl_->own_warnings.begin(), impl_->own_warnings.end());
   write_atomically(impl_->path / "summary.json", to_json(summary));
   const std::string how = fmt::format("{}: {}; {} steps in {}", name_of(summary.status), summary.reason,
                                       summary.steps, duration_text(summary.wall_seconds));

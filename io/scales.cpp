@@ -114,7 +114,7 @@ std::vector<Tick> log_ticks(double lo, double hi) {
       const double value = m * std::pow(10.0, e);
       if (value < lo * (1 - 1e-9) || value > hi * (1 + 1e-9)) continue;
       const bool labelled = m == 1 || (narrow && (m == 2 || m == 5));
-      ticks.push_back({value, !labelled ? "" : m == 1 ? "10" + superscript(e) : number_text(value)});
+      ticks.push_back({value, !labelled ? "" : narrow ? number_text(value) : "10" + superscript(e)});
     }
   }
   return ticks;

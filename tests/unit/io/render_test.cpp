@@ -106,7 +106,7 @@ TEST_CASE("ticks stand at round values inside the range", "[io]") {
   CHECK(labels(linear_ticks(-1, 1, 4)) == "−1 −0.5 0 0.5 1 ");
   CHECK(labels(linear_ticks(0, 1.6e6, 4)) == "0 5×10⁵ 10⁶ 1.5×10⁶ ");
   CHECK(labels(log_ticks(2e-3, 300)) == "10⁻² 10⁻¹ 10⁰ 10¹ 10² ");
-  CHECK(labels(log_ticks(2, 20)) == "2 5 10¹ 20 ");
+  CHECK(labels(log_ticks(2, 20)) == "2 5 10 20 ");
   CHECK(log_ticks(1, 100).size() == 19);  // minor ones too
 }
 

@@ -213,6 +213,7 @@ TEST_CASE("progress off a terminal is a line at every 5 %; quiet says nothing", 
 }
 
 TEST_CASE("durations read as people say them", "[io]") {
+  CHECK(duration_text(4.24) == "4.2 s");
   CHECK(duration_text(42.4) == "42 s");
   CHECK(duration_text(200) == "3 min 20 s");
   CHECK(duration_text(5 * 3600 + 7 * 60) == "5 h 07 min");
