@@ -115,35 +115,40 @@ T interpolation_weight(T beta, T inverse_diagonal) {
   return std::min(T(1), T(6) * beta * inverse_diagonal);
 }
 
-/// fine += coarse, interpolated by products of (1 - w/4, w/4), w = interpolation_weight; behind an open boundary face stands
-/// -q. Halo of fine is wrapped where periodic, else left 0. scratch: nx + 2 values. Rows of this member; sync before and after.
+/// Row j of fine += coarse, interpolated by products of (1 - w/4, w/4), w = interpolation_weight; behind an open boundary face
+/// stands -q. Halo of fine is wrapped where periodic, else left 0. scratch: nx + 2 values.
+template <class T>
+void prolong_poisson_row(const PoissonCoefficients<T>& a, const CellFieldOf<T>& coarse, bool periodic, CellFieldOf<T>& fine,
+                         int j, T* __restrict scratch) {
+  const int nx = coarse.nx(), ny = coarse.ny();
+  T* __restrict line = scratch + 1;
+  const int cj = j / 2, other = j % 2 == 0 ? cj - 1 : cj + 1;
+  const bool outside = other < 0 || other >= ny;
+  const T *near = coarse.row(cj), *far = outside ? near : coarse.row(other);
+  const T sign = outside ? T(-1) : T(1);
+  const T* by = a.beta.v.row(j % 2 == 0 ? cj : cj + 1);
+  const T* bx = a.beta.u.row(cj);
+  const T* inv = a.inverse_diagonal.row(cj);
+#pragma omp simd
+  for (int i = 0; i < nx; ++i)
+    line[i] = near[i] + T(0.25) * interpolation_weight(by[i], inv[i]) * (sign * far[i] - near[i]);
+  line[-1] = periodic ? line[nx - 1] : -line[0];
+  line[nx] = periodic ? line[0] : -line[nx - 1];
+  T* __restrict out = fine.row(j);
+#pragma omp simd
+  for (int i = 0; i < nx; ++i) {
+    out[2 * i] += line[i] + T(0.25) * interpolation_weight(bx[i], inv[i]) * (line[i - 1] - line[i]);
+    out[2 * i + 1] += line[i] + T(0.25) * interpolation_weight(bx[i + 1], inv[i]) * (line[i + 1] - line[i]);
+  }
+  if (periodic) wrap_row(out, 2 * nx);
+}
+
+/// All rows of this member; sync before and after.
 template <class T>
 void prolong_poisson(Team& team, const PoissonCoefficients<T>& a, const CellFieldOf<T>& coarse, bool periodic,
-                     CellFieldOf<T>& fine, T* __restrict scratch) {
-  const int nx = coarse.nx(), ny = coarse.ny();
-  const Rows rows = team.rows(2 * ny);
-  T* __restrict line = scratch + 1;
-  for (int j = rows.begin; j < rows.end; ++j) {
-    const int cj = j / 2, other = j % 2 == 0 ? cj - 1 : cj + 1;
-    const bool outside = other < 0 || other >= ny;
-    const T *near = coarse.row(cj), *far = outside ? near : coarse.row(other);
-    const T sign = outside ? T(-1) : T(1);
-    const T* by = a.beta.v.row(j % 2 == 0 ? cj : cj + 1);
-    const T* bx = a.beta.u.row(cj);
-    const T* inv = a.inverse_diagonal.row(cj);
-#pragma omp simd
-    for (int i = 0; i < nx; ++i)
-      line[i] = near[i] + T(0.25) * interpolation_weight(by[i], inv[i]) * (sign * far[i] - near[i]);
-    line[-1] = periodic ? line[nx - 1] : -line[0];
-    line[nx] = periodic ? line[0] : -line[nx - 1];
-    T* __restrict out = fine.row(j);
-#pragma omp simd
-    for (int i = 0; i < nx; ++i) {
-      out[2 * i] += line[i] + T(0.25) * interpolation_weight(bx[i], inv[i]) * (line[i - 1] - line[i]);
-      out[2 * i + 1] += line[i] + T(0.25) * interpolation_weight(bx[i + 1], inv[i]) * (line[i + 1] - line[i]);
-    }
-    if (periodic) wrap_row(out, 2 * nx);
-  }
+                     CellFieldOf<T>& fine, T* scratch) {
+  const Rows rows = team.rows(fine.ny());
+  for (int j = rows.begin; j < rows.end; ++j) prolong_poisson_row(a, coarse, periodic, fine, j, scratch);
 }
 
 }  // namespace hourglass

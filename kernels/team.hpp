@@ -89,6 +89,37 @@ void parallel(int threads, Body&& body) {
   }
 }
 
+/// Runs operations 0 .. ops-1 on rows 0 .. n-1 as if each were a pass over all rows, in one sweep through memory: operation s
+/// trails operation s - 1 by a row, so a row is worked on while it is in cache (wavefront or temporal blocking; Douglas,
+/// Hu, Kowarschik, Ruede & Weiss 2000). op(s, j) may read rows j-1 .. j+1 of what earlier operations wrote, and nothing that operation
+/// s itself writes in other rows. Members work on slabs that shrink by a row an operation, then on the triangles left between
+/// slabs: two barriers in all. Synced on return.
+template <class Op>
+void wavefront(Team& team, int n, int ops, Op&& op) {
+  if (team.size() > 1 && n / team.size() < 2 * ops + 2) {  // slabs too thin to shrink: pass by pass
+    const Rows rows = team.rows(n);
+    for (int s = 0; s < ops; ++s) {
+      for (int j = rows.begin; j < rows.end; ++j) op(s, j);
+      team.sync();
+    }
+    return;
+  }
+  const Rows slab = team.rows(n);
+  const bool shared_below = slab.begin > 0, shared_above = slab.end < n;
+  for (int front = slab.begin; front < slab.end + ops - 1; ++front)
+    for (int s = 0; s < ops; ++s) {
+      const int j = front - s;
+      const int first = slab.begin + (shared_below ? s : 0), last = slab.end - (shared_above ? s : 0);
+      if (j >= first && j < last) op(s, j);
+    }
+  if (team.size() == 1) return;
+  team.sync();
+  if (shared_above)
+    for (int s = 1; s < ops; ++s)
+      for (int j = slab.end - s; j < slab.end + s; ++j) op(s, j);
+  team.sync();
+}
+
 /// Partial results, one slot a row; reduced by every member alike, in row order.
 class RowSums {
  public:

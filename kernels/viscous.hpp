@@ -252,73 +252,78 @@ void restrict_viscous(Team& team, const VelocityOf<T>& fine, const Boundary& coa
   }
 }
 
-/// fine += P coarse on unknown faces: linear along a component's own direction, (3/4, 1/4) across it with ghost_factor at
-/// boundaries, so that a rigid rotation is reproduced exactly. Halo of fine is wrapped where periodic.
-/// Rows of this member; sync before and after.
+/// Row j of fine (u row j and v row j) += P coarse on unknown faces: linear along a component's own direction, (3/4, 1/4) across it
+/// with ghost_factor at boundaries, so that a rigid rotation is reproduced exactly. Halo of fine is wrapped where periodic.
+template <class T>
+void prolong_viscous_row(const VelocityOf<T>& coarse, const Boundary& coarse_boundary,
+                         const VelocityOf<T>& fine_inverse_diagonal, VelocityOf<T>& fine, int j) {
+  const int nx = coarse.patch().nx, ny = coarse.patch().ny;
+  const bool periodic = coarse_boundary.periodic_x;
+  const int cj = j / 2;
+  if (j < 2 * ny) {
+    const T* near = coarse.u.row(cj);
+    const int other = j % 2 == 0 ? cj - 1 : cj + 1;
+    const bool ghost = other < 0 || other >= ny;
+    const T* far = ghost ? near : coarse.u.row(other);
+    const SideFaces& side = other < 0 ? coarse_boundary.bottom : coarse_boundary.top;
+    const T* __restrict inv = fine_inverse_diagonal.u.row(j);
+    T* __restrict out = fine.u.row(j);
+    const auto blend = [&](int i) {
+      const T s = ghost ? T(ghost_factor(side.shear[i])) : T(1);
+      return T(0.75) * near[i] + T(0.25) * s * far[i];
+    };
+    if (!ghost) {
+#pragma omp simd
+      for (int i = 0; i < nx; ++i) {
+        const T here = T(0.75) * near[i] + T(0.25) * far[i];
+        const T next = T(0.75) * near[i + 1] + T(0.25) * far[i + 1];
+        out[2 * i] += inv[2 * i] != T(0) ? here : T(0);
+        out[2 * i + 1] += inv[2 * i + 1] != T(0) ? T(0.5) * (here + next) : T(0);
+      }
+    } else {
+      for (int i = 0; i < nx; ++i) {
+        if (inv[2 * i] != T(0)) out[2 * i] += blend(i);
+        if (inv[2 * i + 1] != T(0)) out[2 * i + 1] += T(0.5) * (blend(i) + blend(i + 1));
+      }
+    }
+    if (inv[2 * nx] != T(0)) out[2 * nx] += blend(nx);
+    if (periodic) wrap_row(out, 2 * nx);
+  }
+  {
+    const T* here = coarse.v.row(cj);
+    const T* next = coarse.v.row(j % 2 == 0 ? cj : cj + 1);
+    const T* __restrict inv = fine_inverse_diagonal.v.row(j);
+    T* __restrict out = fine.v.row(j);
+    const auto line = [&](int i) { return T(0.5) * (here[i] + next[i]); };
+    const int nj = j % 2 == 0 ? cj : cj + 1;
+    const auto ghost = [&](const SideFaces& side, int i) {
+      return T(0.5) * (T(ghost_factor(side.shear[cj])) * here[i] + T(ghost_factor(side.shear[nj])) * next[i]);
+    };
+    const T left = periodic ? line(nx - 1) : ghost(coarse_boundary.left, 0);
+    const T right = periodic ? line(0) : ghost(coarse_boundary.right, nx - 1);
+    const auto add = [&](int i, T l, T c, T r) {
+      if (inv[2 * i] != T(0)) out[2 * i] += T(0.75) * c + T(0.25) * l;
+      if (inv[2 * i + 1] != T(0)) out[2 * i + 1] += T(0.75) * c + T(0.25) * r;
+    };
+    add(0, left, line(0), nx > 1 ? line(1) : right);
+#pragma omp simd
+    for (int i = 1; i < nx - 1; ++i) {
+      const T l = line(i - 1), c = line(i), r = line(i + 1);
+      out[2 * i] += inv[2 * i] != T(0) ? T(0.75) * c + T(0.25) * l : T(0);
+      out[2 * i + 1] += inv[2 * i + 1] != T(0) ? T(0.75) * c + T(0.25) * r : T(0);
+    }
+    if (nx > 1) add(nx - 1, line(nx - 2), line(nx - 1), right);
+    if (periodic) wrap_row(out, 2 * nx);
+  }
+}
+
+/// All rows of this member; sync before and after.
 template <class T>
 void prolong_viscous(Team& team, const VelocityOf<T>& coarse, const Boundary& coarse_boundary,
                      const VelocityOf<T>& fine_inverse_diagonal, VelocityOf<T>& fine) {
-  const int nx = coarse.patch().nx, ny = coarse.patch().ny;
-  const bool periodic = coarse_boundary.periodic_x;
-  const Rows rows = team.rows(2 * ny + 1);
-  for (int j = rows.begin; j < rows.end; ++j) {
-    const int cj = j / 2;
-    if (j < 2 * ny) {
-      const T* near = coarse.u.row(cj);
-      const int other = j % 2 == 0 ? cj - 1 : cj + 1;
-      const bool ghost = other < 0 || other >= ny;
-      const T* far = ghost ? near : coarse.u.row(other);
-      const SideFaces& side = other < 0 ? coarse_boundary.bottom : coarse_boundary.top;
-      const T* __restrict inv = fine_inverse_diagonal.u.row(j);
-      T* __restrict out = fine.u.row(j);
-      const auto blend = [&](int i) {
-        const T s = ghost ? T(ghost_factor(side.shear[i])) : T(1);
-        return T(0.75) * near[i] + T(0.25) * s * far[i];
-      };
-      if (!ghost) {
-#pragma omp simd
-        for (int i = 0; i < nx; ++i) {
-          const T here = T(0.75) * near[i] + T(0.25) * far[i];
-          const T next = T(0.75) * near[i + 1] + T(0.25) * far[i + 1];
-          out[2 * i] += inv[2 * i] != T(0) ? here : T(0);
-          out[2 * i + 1] += inv[2 * i + 1] != T(0) ? T(0.5) * (here + next) : T(0);
-        }
-      } else {
-        for (int i = 0; i < nx; ++i) {
-          if (inv[2 * i] != T(0)) out[2 * i] += blend(i);
-          if (inv[2 * i + 1] != T(0)) out[2 * i + 1] += T(0.5) * (blend(i) + blend(i + 1));
-        }
-      }
-      if (inv[2 * nx] != T(0)) out[2 * nx] += blend(nx);
-      if (periodic) wrap_row(out, 2 * nx);
-    }
-    {
-      const T* here = coarse.v.row(cj);
-      const T* next = coarse.v.row(j % 2 == 0 ? cj : cj + 1);
-      const T* __restrict inv = fine_inverse_diagonal.v.row(j);
-      T* __restrict out = fine.v.row(j);
-      const auto line = [&](int i) { return T(0.5) * (here[i] + next[i]); };
-      const int nj = j % 2 == 0 ? cj : cj + 1;
-      const auto ghost = [&](const SideFaces& side, int i) {
-        return T(0.5) * (T(ghost_factor(side.shear[cj])) * here[i] + T(ghost_factor(side.shear[nj])) * next[i]);
-      };
-      const T left = periodic ? line(nx - 1) : ghost(coarse_boundary.left, 0);
-      const T right = periodic ? line(0) : ghost(coarse_boundary.right, nx - 1);
-      const auto add = [&](int i, T l, T c, T r) {
-        if (inv[2 * i] != T(0)) out[2 * i] += T(0.75) * c + T(0.25) * l;
-        if (inv[2 * i + 1] != T(0)) out[2 * i + 1] += T(0.75) * c + T(0.25) * r;
-      };
-      add(0, left, line(0), nx > 1 ? line(1) : right);
-#pragma omp simd
-      for (int i = 1; i < nx - 1; ++i) {
-        const T l = line(i - 1), c = line(i), r = line(i + 1);
-        out[2 * i] += inv[2 * i] != T(0) ? T(0.75) * c + T(0.25) * l : T(0);
-        out[2 * i + 1] += inv[2 * i + 1] != T(0) ? T(0.75) * c + T(0.25) * r : T(0);
-      }
-      if (nx > 1) add(nx - 1, line(nx - 2), line(nx - 1), right);
-      if (periodic) wrap_row(out, 2 * nx);
-    }
-  }
+  const Rows rows = team.rows(2 * coarse.patch().ny + 1);
+  for (int j = rows.begin; j < rows.end; ++j)
+    prolong_viscous_row(coarse, coarse_boundary, fine_inverse_diagonal, fine, j);
 }
 
 }  // namespace hourglass

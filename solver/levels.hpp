@@ -1,5 +1,6 @@
 #pragma once
 // The multigrid levels of the two operators: coefficients, work fields and boundary on one patch.
+#include <algorithm>
 #include <vector>
 
 #include "kernels/poisson.hpp"
@@ -7,20 +8,23 @@
 
 namespace hourglass {
 
-/// A residual of row k of the unknown: out = b - A x, by the operator's own row kernel.
+/// Row k of the residual r = b - A x, by the operator's own row kernel; 0 on fixed points.
+template <class Level>
+void residual_row(const Level& level, const typename Level::Unknown& x, const typename Level::Unknown& b,
+                  typename Level::Unknown& r, int k) {
+  auto out = row_of(r, k);
+  const auto rhs = row_of(b, k);
+  level.apply_row(x, k, out.data);
+#pragma omp simd
+  for (int i = 0; i < out.n; ++i) out.data[i] = rhs.data[i] - out.data[i];
+  level.mask(r, k);
+  level.wrap(r, k);
+}
 template <class Level>
 void residual_rows(Team& team, const Level& level, const typename Level::Unknown& x, const typename Level::Unknown& b,
                    typename Level::Unknown& r) {
   const Rows rows = team.rows(row_count(x));
-  for (int k = rows.begin; k < rows.end; ++k) {
-    auto out = row_of(r, k);
-    const auto rhs = row_of(b, k);
-    level.apply_row(x, k, out.data);
-#pragma omp simd
-    for (int i = 0; i < out.n; ++i) out.data[i] = rhs.data[i] - out.data[i];
-    level.mask(r, k);
-    level.wrap(r, k);
-  }
+  for (int k = rows.begin; k < rows.end; ++k) residual_row(level, x, b, r, k);
   team.sync();
 }
 
@@ -52,10 +56,7 @@ class PoissonLevel {
     std::vector<T>& scratch = row_scratch(q.nx());
     for (int pass = 0; pass < 2; ++pass) {
       const int colour = reversed ? 1 - pass : pass;
-      for (int j = rows.begin; j < rows.end; ++j) {
-        relax_poisson_row(a, q, rhs, j, colour, scratch.data());
-        wrap(q, j);
-      }
+      for (int j = rows.begin; j < rows.end; ++j) relax_row(q, rhs, j, colour, scratch.data());
       team.sync();
     }
   }
@@ -65,6 +66,30 @@ class PoissonLevel {
   template <class X>
   void apply_row(const CellFieldOf<X>& q, int k, X* out) const {
     apply_poisson_row(a, q, k, out);
+  }
+  /// x = 0, `sweeps` sweeps, r = b - A x, in one pass through memory. Synced on return, as ascend().
+  void descend(Team& team, int sweeps) {
+    T* scratch = row_scratch(x.nx()).data();
+    wavefront(team, x.ny(), 2 * sweeps + 2, [&](int s, int j) {
+      if (s == 0) {
+        std::fill(x.row(j) - halo, x.row(j) + x.nx() + halo, T(0));
+      } else if (s <= 2 * sweeps) {
+        relax_row(x, b, j, (s - 1) % 2, scratch);
+      } else {
+        residual_row(*this, x, b, r, j);
+      }
+    });
+  }
+  /// x += P coarse, `sweeps` sweeps in reversed order.
+  void ascend(Team& team, const PoissonLevel& coarse, int sweeps) {
+    T* scratch = row_scratch(x.nx()).data();
+    wavefront(team, x.ny(), 2 * sweeps + 1, [&](int s, int j) {
+      if (s == 0) {
+        prolong_poisson_row(coarse.a, coarse.x, boundary_.periodic_x, x, j, scratch);
+      } else {
+        relax_row(x, b, j, s % 2, scratch);
+      }
+    });
   }
   void restrict_from(Team& team, const Unknown& fine) {
     restrict_poisson(team, fine, b);
@@ -90,6 +115,11 @@ class PoissonLevel {
   }
 
  private:
+  void relax_row(Unknown& q, const Unknown& rhs, int j, int colour, T* scratch) const {
+    relax_poisson_row(a, q, rhs, j, colour, scratch);
+    wrap(q, j);
+  }
+
   Boundary boundary_;
 };
 
@@ -131,25 +161,38 @@ class ViscousLevel {
     finish(team);
   }
   void relax(Team& team, Unknown& w, const Unknown& rhs, bool reversed) const {
-    const int ny = a.eta_c.ny();
-    const Rows rows = team.rows(ny);
-    const int v_end = rows.end == ny ? ny + 1 : rows.end;
+    const Rows rows = team.rows(a.eta_c.ny() + 1);
     std::vector<T>& scratch = PoissonLevel<T>::row_scratch(a.eta_c.nx() + 1);
     for (int pass = 0; pass < 4; ++pass) {
-      const int stage = reversed ? 3 - pass : pass, colour = stage % 2;
-      if (stage < 2) {
-        for (int j = rows.begin; j < rows.end; ++j) {
-          relax_u_row(a, w, rhs, j, colour, scratch.data());
-          if (boundary_.periodic_x) wrap_row(w.u.row(j), a.eta_c.nx());
-        }
-      } else {
-        for (int j = rows.begin; j < v_end; ++j) {
-          relax_v_row(a, w, rhs, j, colour, scratch.data());
-          if (boundary_.periodic_x) wrap_row(w.v.row(j), a.eta_c.nx());
-        }
-      }
+      for (int j = rows.begin; j < rows.end; ++j) relax_row(w, rhs, j, reversed ? 3 - pass : pass, scratch.data());
       team.sync();
     }
+  }
+  /// x = 0, `sweeps` sweeps, r = b - A x, in one pass through memory. Synced on return, as ascend().
+  void descend(Team& team, int sweeps) {
+    T* scratch = PoissonLevel<T>::row_scratch(a.eta_c.nx() + 1).data();
+    wavefront(team, a.eta_c.ny() + 1, 4 * sweeps + 2, [&](int s, int j) {
+      if (s == 0) {
+        if (j < x.u.ny()) std::fill(x.u.row(j) - halo, x.u.row(j) + x.u.nx() + halo, T(0));
+        std::fill(x.v.row(j) - halo, x.v.row(j) + x.v.nx() + halo, T(0));
+      } else if (s <= 4 * sweeps) {
+        relax_row(x, b, j, (s - 1) % 4, scratch);
+      } else {
+        if (j < x.u.ny()) residual_row(*this, x, b, r, 2 * j);
+        residual_row(*this, x, b, r, j < x.u.ny() ? 2 * j + 1 : 2 * j);
+      }
+    });
+  }
+  /// x += P coarse, `sweeps` sweeps in reversed order.
+  void ascend(Team& team, const ViscousLevel& coarse, int sweeps) {
+    T* scratch = PoissonLevel<T>::row_scratch(a.eta_c.nx() + 1).data();
+    wavefront(team, a.eta_c.ny() + 1, 4 * sweeps + 1, [&](int s, int j) {
+      if (s == 0) {
+        prolong_viscous_row(coarse.x, coarse.boundary_, a.inverse_diagonal, x, j);
+      } else {
+        relax_row(x, b, j, 3 - (s - 1) % 4, scratch);
+      }
+    });
   }
   void residual(Team& team, const Unknown& w, const Unknown& rhs, Unknown& out) const {
     residual_rows(team, *this, w, rhs, out);
@@ -182,6 +225,18 @@ class ViscousLevel {
   std::size_t bytes() const { return a.bytes() + x.bytes() + b.bytes() + r.bytes(); }
 
  private:
+  /// Stage 0, 1: u red, black; 2, 3: v red, black. Row j of u, or of v.
+  void relax_row(Unknown& w, const Unknown& rhs, int j, int stage, T* scratch) const {
+    if (stage < 2) {
+      if (j >= w.u.ny()) return;
+      relax_u_row(a, w, rhs, j, stage % 2, scratch);
+      if (boundary_.periodic_x) wrap_row(w.u.row(j), a.eta_c.nx());
+    } else {
+      relax_v_row(a, w, rhs, j, stage % 2, scratch);
+      if (boundary_.periodic_x) wrap_row(w.v.row(j), a.eta_c.nx());
+    }
+  }
+
   Boundary boundary_;
 };
 

@@ -1,7 +1,8 @@
 #pragma once
 // Multigrid over any operator. A Level offers: Unknown, Number; fields x (correction), b (right-hand side), r (residual);
-// relax(team, x, b, reversed), residual(team, x, b, r), apply_row, coarsen(team, fine level), finish(team),
-// restrict_from(team, fine residual), prolong_to(team, fine level), wrap(row index). It knows its stencil; this file does not.
+// descend(team, sweeps): x = 0, smooth, residual; ascend(team, coarse, sweeps): add the correction, smooth in reversed order;
+// restrict_from(team, fine residual); coarsen(team, fine level); apply_row, wrap and fixed for the coarsest solve. It knows its
+// stencil; this file does not.
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
 #include <vector>
@@ -158,22 +159,10 @@ class Multigrid {
       team.sync();
       return;
     }
-    zero(team, level.x);
-    for (int s = 0; s < sweeps_; ++s) level.relax(team, level.x, level.b, false);
-    level.residual(team, level.x, level.b, level.r);
+    level.descend(team, sweeps_);
     levels_[l + 1].restrict_from(team, level.r);
     cycle(team, l + 1);
-    levels_[l + 1].prolong_to(team, level);
-    for (int s = 0; s < sweeps_; ++s) level.relax(team, level.x, level.b, true);
-  }
-
-  static void zero(Team& team, typename Level::Unknown& x) {
-    const Rows rows = team.rows(row_count(x));
-    for (int k = rows.begin; k < rows.end; ++k) {
-      const auto row = row_of(x, k);
-      std::fill(row.data - 2, row.data + row.n + 2, typename Level::Number(0));
-    }
-    team.sync();
+    level.ascend(team, levels_[l + 1], sweeps_);
   }
 
   std::vector<Level> levels_;
