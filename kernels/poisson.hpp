@@ -62,6 +62,17 @@ void apply_poisson_row(const PoissonCoefficients<T>& a, const CellFieldOf<X>& x,
   for (int i = 0; i < n; ++i) out[i] = row.diagonal(i) * row.q[i] - row.off_diagonal(i);
 }
 
+/// b - A x on row j.
+template <class T, class X>
+void residual_poisson_row(const PoissonCoefficients<T>& a, const CellFieldOf<X>& x, const CellFieldOf<X>& b, int j,
+                          X* __restrict out) {
+  const PoissonRow<T, X> row(a, x, j);
+  const X* __restrict rhs = b.row(j);
+  const int n = x.nx();
+#pragma omp simd
+  for (int i = 0; i < n; ++i) out[i] = rhs[i] - (row.diagonal(i) * row.q[i] - row.off_diagonal(i));
+}
+
 template <class T>
 void fill_inverse_diagonal(Team& team, PoissonCoefficients<T>& a) {
   const Rows rows = team.rows(a.inverse_diagonal.ny());

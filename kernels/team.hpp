@@ -120,6 +120,14 @@ void wavefront(Team& team, int n, int ops, Op&& op) {
   team.sync();
 }
 
+/// A row of n values that belongs to this thread, with 16 more on either side; what is in it is lost at the next call.
+template <class T>
+T* row_scratch(int n) {
+  thread_local std::vector<T> scratch;
+  if (static_cast<int>(scratch.size()) < n + 32) scratch.resize(n + 32);
+  return scratch.data() + 16;
+}
+
 /// Partial results, one slot a row; reduced by every member alike, in row order.
 class RowSums {
  public:

@@ -99,9 +99,9 @@ void relax_v_row(const ViscousCoefficients<T>& a, VelocityOf<T>& x, const Veloci
   take_colour(scratch, n, j, colour, x.v.row(j));
 }
 
-/// (A x) on row k of the unknown (row_of's numbering); 0 on fixed faces. in: x, halo 1.
-template <class T, class X>
-void apply_viscous_row(const ViscousCoefficients<T>& a, const VelocityOf<X>& x, int k, X* __restrict out) {
+/// out = f(i, (A x)_i) on row k of the unknown (row_of's numbering), 0 on fixed faces. in: x, halo 1.
+template <class T, class X, class F>
+void map_viscous_row(const ViscousCoefficients<T>& a, const VelocityOf<X>& x, int k, X* __restrict out, F f) {
   const int j = k / 2;
   if (k % 2 == 0 && j < x.u.ny()) {
     const URow<T, X> row(a, x, j);
@@ -110,7 +110,7 @@ void apply_viscous_row(const ViscousCoefficients<T>& a, const VelocityOf<X>& x, 
     const int n = x.u.nx();
 #pragma omp simd
     for (int i = 0; i < n; ++i) {
-      const X full = X(m[i]) * row.u[i] + row.stress(i);
+      const X full = f(i, X(m[i]) * row.u[i] + row.stress(i));
       out[i] = inv[i] != T(0) ? full : X(0);
     }
   } else {
@@ -120,10 +120,21 @@ void apply_viscous_row(const ViscousCoefficients<T>& a, const VelocityOf<X>& x, 
     const int n = x.v.nx();
 #pragma omp simd
     for (int i = 0; i < n; ++i) {
-      const X full = X(m[i]) * row.v[i] + row.stress(i);
+      const X full = f(i, X(m[i]) * row.v[i] + row.stress(i));
       out[i] = inv[i] != T(0) ? full : X(0);
     }
   }
+}
+
+/// A x, and b - A x, on row k.
+template <class T, class X>
+void apply_viscous_row(const ViscousCoefficients<T>& a, const VelocityOf<X>& x, int k, X* out) {
+  map_viscous_row(a, x, k, out, [](int, X ax) { return ax; });
+}
+template <class T, class X>
+void residual_viscous_row(const ViscousCoefficients<T>& a, const VelocityOf<X>& x, const VelocityOf<X>& b, int k, X* out) {
+  const X* rhs = row_of(b, k).data;
+  map_viscous_row(a, x, k, out, [rhs](int i, X ax) { return rhs[i] - ax; });
 }
 
 /// inverse_diagonal from the other coefficients; fixed faces by the boundary. Rows of this member; sync after.
@@ -164,56 +175,61 @@ template <class T>
 void coarsen_viscous(Team& team, const ViscousCoefficients<T>& fine, bool periodic_x, ViscousCoefficients<T>& coarse) {
   const int nx = coarse.eta_c.nx(), ny = coarse.eta_c.ny();
   const Rows rows = team.rows(ny + 1);
+  // First combine fine rows into one line, then its points into coarse ones.
+  T* __restrict line = row_scratch<T>(2 * nx + 2);
+  const auto extend_cells = [&](T* l) {
+    l[-1] = periodic_x ? l[2 * nx - 1] : l[0];
+    l[2 * nx] = periodic_x ? l[0] : l[2 * nx - 1];
+  };
+  const auto extend_faces = [&](T* l) {
+    l[-1] = periodic_x ? l[2 * nx - 1] : T(0);
+    l[2 * nx + 1] = periodic_x ? l[1] : T(0);
+  };
   for (int j = rows.begin; j < rows.end; ++j) {
     if (j < ny) {
       const int below = std::max(2 * j - 1, 0), above = std::min(2 * j + 2, 2 * ny - 1);
-      const auto across = [&](const auto& f, int i) {  // 1-3-3-1 over rows
-        return T(0.375) * (f(i, 2 * j) + f(i, 2 * j + 1)) + T(0.125) * (f(i, below) + f(i, above));
+      const auto across = [&](const auto& f, int n) {  // 1-3-3-1 over rows
+        const T *b = f.row(below), *c = f.row(2 * j), *d = f.row(2 * j + 1), *a = f.row(above);
+#pragma omp simd
+        for (int i = 0; i < n; ++i) line[i] = T(0.375) * (c[i] + d[i]) + T(0.125) * (b[i] + a[i]);
       };
+      across(fine.eta_c, 2 * nx);
+      extend_cells(line);
       T* __restrict ec = coarse.eta_c.row(j);
-      for (int i = 0; i < nx; ++i) {
-        const int left = periodic_x ? 2 * i - 1 : std::max(2 * i - 1, 0);
-        const int right = periodic_x ? 2 * i + 2 : std::min(2 * i + 2, 2 * nx - 1);
-        ec[i] = T(0.375) * (across(fine.eta_c, 2 * i) + across(fine.eta_c, 2 * i + 1)) +
-                T(0.125) * (across(fine.eta_c, left) + across(fine.eta_c, right));
-      }
+#pragma omp simd
+      for (int i = 0; i < nx; ++i)
+        ec[i] = T(0.375) * (line[2 * i] + line[2 * i + 1]) + T(0.125) * (line[2 * i - 1] + line[2 * i + 2]);
+      across(fine.mass.u, 2 * nx + 1);
+      extend_faces(line);
       T* __restrict m = coarse.mass.u.row(j);
-      for (int i = 0; i <= nx; ++i) {
-        T sides = 0;
-        if (i > 0 || periodic_x) sides += across(fine.mass.u, 2 * i - 1);
-        if (i < nx || periodic_x) sides += across(fine.mass.u, 2 * i + 1);
-        m[i] = T(2) * across(fine.mass.u, 2 * i) + sides;
-      }
+#pragma omp simd
+      for (int i = 0; i <= nx; ++i) m[i] = T(2) * line[2 * i] + (line[2 * i - 1] + line[2 * i + 1]);
     }
+    const bool inside_y = j > 0 && j < ny;
     {
       const T ws = j > 0 ? T(0.5) : T(0), wn = j < ny ? T(0.5) : T(0);
-      const int south = j > 0 ? 2 * j - 1 : 0, north = j < ny ? 2 * j + 1 : 2 * ny;
-      const auto along = [&](int i) {
-        return fine.mass.v(i, 2 * j) + (ws * fine.mass.v(i, south) + wn * fine.mass.v(i, north));
-      };
+      const T* c = fine.mass.v.row(2 * j);
+      const T *s = fine.mass.v.row(j > 0 ? 2 * j - 1 : 0), *n = fine.mass.v.row(j < ny ? 2 * j + 1 : 2 * ny);
+#pragma omp simd
+      for (int i = 0; i < 2 * nx; ++i) line[i] = c[i] + (ws * s[i] + wn * n[i]);
+      extend_cells(line);
       T* __restrict m = coarse.mass.v.row(j);
-      for (int i = 0; i < nx; ++i) {
-        const int left = periodic_x ? 2 * i - 1 : std::max(2 * i - 1, 0);
-        const int right = periodic_x ? 2 * i + 2 : std::min(2 * i + 2, 2 * nx - 1);
-        m[i] = T(0.75) * (along(2 * i) + along(2 * i + 1)) + T(0.25) * (along(left) + along(right));
-      }
+#pragma omp simd
+      for (int i = 0; i < nx; ++i)
+        m[i] = T(0.75) * (line[2 * i] + line[2 * i + 1]) + T(0.25) * (line[2 * i - 1] + line[2 * i + 2]);
     }
     // Corners: 1-2-1 along a boundary, 1-2-1 x 1-2-1 inside.
-    const T* nc = fine.eta_n.row(2 * j);
-    const bool inside_y = j > 0 && j < ny;
-    const T *ns = inside_y ? fine.eta_n.row(2 * j - 1) : nc, *nn = inside_y ? fine.eta_n.row(2 * j + 1) : nc;
+    const T* c = fine.eta_n.row(2 * j);
+    const T *s = inside_y ? fine.eta_n.row(2 * j - 1) : c, *n = inside_y ? fine.eta_n.row(2 * j + 1) : c;
+#pragma omp simd
+    for (int i = 0; i <= 2 * nx; ++i) line[i] = T(0.25) * (T(2) * c[i] + (s[i] + n[i]));
+    extend_faces(line);
     T* __restrict out = coarse.eta_n.row(j);
-    const auto column = [&](int i) { return T(0.25) * (T(2) * nc[i] + (ns[i] + nn[i])); };
-    for (int i = 0; i <= nx; ++i) {
-      const int c = 2 * i;
-      const bool inside_x = periodic_x || (i > 0 && i < nx);
-      if (inside_x) {
-        out[i] = T(0.25) * (T(2) * column(c) + (column(c - 1) + column(c + 1)));
-      } else if (inside_y) {
-        out[i] = column(c);
-      } else {
-        out[i] = nc[c];
-      }
+#pragma omp simd
+    for (int i = 0; i <= nx; ++i) out[i] = T(0.25) * (T(2) * line[2 * i] + (line[2 * i - 1] + line[2 * i + 1]));
+    if (!periodic_x) {
+      out[0] = line[0];
+      out[nx] = line[2 * nx];
     }
   }
 }
@@ -226,29 +242,33 @@ void restrict_viscous(Team& team, const VelocityOf<T>& fine, const Boundary& coa
   const Rows rows = team.rows(ny + 1);
   const bool periodic = coarse_boundary.periodic_x;
   for (int j = rows.begin; j < rows.end; ++j) {
+    T* __restrict line = row_scratch<T>(2 * nx + 2);
     if (j < ny) {
       const T *r0 = fine.u.row(2 * j), *r1 = fine.u.row(2 * j + 1);
-      const T *below = j > 0 ? fine.u.row(2 * j - 1) : r0, *above = j < ny - 1 ? fine.u.row(2 * j + 2) : r1;
+      const bool floor = j == 0, ceiling = j == ny - 1;
+      const T *below = floor ? r0 : fine.u.row(2 * j - 1), *above = ceiling ? r1 : fine.u.row(2 * j + 2);
+      const T wb = floor ? T(0) : T(0.25), wa = ceiling ? T(0) : T(0.25);
+#pragma omp simd
+      for (int i = -1; i <= 2 * nx + 1; ++i) line[i] = T(0.75) * (r0[i] + r1[i]) + (wb * below[i] + wa * above[i]);
       T* __restrict out = coarse.u.row(j);
-      const auto line = [](const T* r, int c) { return r[c] + T(0.5) * (r[c - 1] + r[c + 1]); };
-      for (int i = 0; i <= nx; ++i) {
-        const T sb = j > 0 ? T(1) : T(ghost_factor(coarse_boundary.bottom.shear[i]));
-        const T sa = j < ny - 1 ? T(1) : T(ghost_factor(coarse_boundary.top.shear[i]));
-        out[i] = T(0.75) * (line(r0, 2 * i) + line(r1, 2 * i)) +
-                 T(0.25) * (sb * line(below, 2 * i) + sa * line(above, 2 * i));
-      }
+#pragma omp simd
+      for (int i = 0; i <= nx; ++i) out[i] = line[2 * i] + T(0.5) * (line[2 * i - 1] + line[2 * i + 1]);
+      const auto add_ghost = [&](const T* r, const SideFaces& side) {
+        for (int i = 0; i <= nx; ++i)
+          out[i] += T(0.25 * ghost_factor(side.shear[i])) * (r[2 * i] + T(0.5) * (r[2 * i - 1] + r[2 * i + 1]));
+      };
+      if (floor) add_ghost(r0, coarse_boundary.bottom);
+      if (ceiling) add_ghost(r1, coarse_boundary.top);
     }
-    const T* rc = fine.v.row(2 * j);
-    const T *rs = fine.v.row(2 * j - 1), *rn = fine.v.row(2 * j + 1);  // beyond the patch: halo, 0
+    const T *c = fine.v.row(2 * j), *s = fine.v.row(2 * j - 1), *n = fine.v.row(2 * j + 1);  // beyond the patch: halo, 0
+#pragma omp simd
+    for (int i = 0; i < 2 * nx; ++i) line[i] = c[i] + T(0.5) * (s[i] + n[i]);
+    line[-1] = periodic ? line[2 * nx - 1] : T(ghost_factor(coarse_boundary.left.shear[j])) * line[0];
+    line[2 * nx] = periodic ? line[0] : T(ghost_factor(coarse_boundary.right.shear[j])) * line[2 * nx - 1];
     T* __restrict out = coarse.v.row(j);
-    const auto line = [&](int c) { return rc[c] + T(0.5) * (rs[c] + rn[c]); };
-    for (int i = 0; i < nx; ++i) {
-      const int c = 2 * i;
-      const T left = i > 0 || periodic ? line(c - 1) : T(ghost_factor(coarse_boundary.left.shear[j])) * line(c);
-      const T right =
-          i < nx - 1 || periodic ? line(c + 2) : T(ghost_factor(coarse_boundary.right.shear[j])) * line(c + 1);
-      out[i] = T(0.75) * (line(c) + line(c + 1)) + T(0.25) * (left + right);
-    }
+#pragma omp simd
+    for (int i = 0; i < nx; ++i)
+      out[i] = T(0.75) * (line[2 * i] + line[2 * i + 1]) + T(0.25) * (line[2 * i - 1] + line[2 * i + 2]);
   }
 }
 

@@ -6,6 +6,7 @@
 //   z = M r,  beta = -(z, q)/(p, q),  p <- z + beta p,  q = A p,  alpha = (z, r)/(p, q),  x += alpha p,  r -= alpha q.
 #include <cmath>
 
+#include "kernels/norms.hpp"
 #include "kernels/team.hpp"
 #include "solver/multigrid.hpp"
 #include "solver/solve_stats.hpp"
@@ -67,20 +68,15 @@ class Krylov {
 
   /// level.b = b - A x, in double before the cast; returns max |b - A x|.
   double true_residual(Team& team, Level& level, const Wide& b, const Wide& x) {
-    std::vector<double>& scratch = wide_scratch(x.patch().nx + 1);
+    double* __restrict scratch = row_scratch<double>(x.patch().nx + 1);
     const Rows rows = team.rows(row_count(p_));
     for (int k = rows.begin; k < rows.end; ++k) {
-      level.apply_row(x, k, scratch.data());
+      level.apply_row(x, k, scratch);
       const double* __restrict rhs = row_of(b, k).data;
       auto r = row_of(level.b, k);
-      double m = 0;
       for (int i = 0; i < r.n; ++i) r.data[i] = static_cast<T>(rhs[i] - scratch[i]);
       level.mask(level.b, k);
-#pragma omp simd reduction(max : m)
-      for (int i = 0; i < r.n; ++i) m = std::max(m, std::abs(static_cast<double>(r.data[i])));
-      double check = 0;  // max() may drop a NaN, a sum does not
-      for (int i = 0; i < r.n; ++i) check += r.data[i];
-      sums_[4][k] = std::isfinite(check) ? m : check;
+      sums_[4][k] = max_magnitude(r.data, r.n);
     }
     team.sync();
     const double largest = sums_[4].max();
@@ -149,18 +145,13 @@ class Krylov {
         return true;
       }
       const double alpha = rz / pq;
-      double m = 0;
       for (int k = rows.begin; k < rows.end; ++k) {
         const auto q = row_of(q_, k);
         T* __restrict r = row_of(level.b, k).data;
         const T s = static_cast<T>(alpha);
-        m = 0;
-#pragma omp simd reduction(max : m)
-        for (int i = 0; i < q.n; ++i) {
-          r[i] -= s * q.data[i];
-          m = std::max(m, std::abs(static_cast<double>(r[i])));
-        }
-        sums_[3][k] = m;
+#pragma omp simd
+        for (int i = 0; i < q.n; ++i) r[i] -= s * q.data[i];
+        if (rule.measure == Measure::maximum) sums_[3][k] = max_magnitude(r, q.n);
       }
       add(team, level, alpha, p_, x);
       if (rule.measure == Measure::maximum) {
@@ -208,12 +199,6 @@ class Krylov {
           if (std::isnan(row.data[i])) return;
         }
     }
-  }
-
-  static std::vector<double>& wide_scratch(int n) {
-    thread_local std::vector<double> scratch;
-    if (static_cast<int>(scratch.size()) < n) scratch.resize(n);
-    return scratch;
   }
 
   Unknown p_, q_;

@@ -8,26 +8,6 @@
 
 namespace hourglass {
 
-/// Row k of the residual r = b - A x, by the operator's own row kernel; 0 on fixed points.
-template <class Level>
-void residual_row(const Level& level, const typename Level::Unknown& x, const typename Level::Unknown& b,
-                  typename Level::Unknown& r, int k) {
-  auto out = row_of(r, k);
-  const auto rhs = row_of(b, k);
-  level.apply_row(x, k, out.data);
-#pragma omp simd
-  for (int i = 0; i < out.n; ++i) out.data[i] = rhs.data[i] - out.data[i];
-  level.mask(r, k);
-  level.wrap(r, k);
-}
-template <class Level>
-void residual_rows(Team& team, const Level& level, const typename Level::Unknown& x, const typename Level::Unknown& b,
-                   typename Level::Unknown& r) {
-  const Rows rows = team.rows(row_count(x));
-  for (int k = rows.begin; k < rows.end; ++k) residual_row(level, x, b, r, k);
-  team.sync();
-}
-
 /// ∇·((1/ρ)∇q) = b on one patch.
 template <class T>
 class PoissonLevel {
@@ -53,15 +33,17 @@ class PoissonLevel {
   }
   void relax(Team& team, Unknown& q, const Unknown& rhs, bool reversed) const {
     const Rows rows = team.rows(q.ny());
-    std::vector<T>& scratch = row_scratch(q.nx());
+    T* scratch = row_scratch<T>(q.nx());
     for (int pass = 0; pass < 2; ++pass) {
       const int colour = reversed ? 1 - pass : pass;
-      for (int j = rows.begin; j < rows.end; ++j) relax_row(q, rhs, j, colour, scratch.data());
+      for (int j = rows.begin; j < rows.end; ++j) relax_row(q, rhs, j, colour, scratch);
       team.sync();
     }
   }
   void residual(Team& team, const Unknown& q, const Unknown& rhs, Unknown& out) const {
-    residual_rows(team, *this, q, rhs, out);
+    const Rows rows = team.rows(q.ny());
+    for (int j = rows.begin; j < rows.end; ++j) residual_row(q, rhs, out, j);
+    team.sync();
   }
   template <class X>
   void apply_row(const CellFieldOf<X>& q, int k, X* out) const {
@@ -69,20 +51,20 @@ class PoissonLevel {
   }
   /// x = 0, `sweeps` sweeps, r = b - A x, in one pass through memory. Synced on return, as ascend().
   void descend(Team& team, int sweeps) {
-    T* scratch = row_scratch(x.nx()).data();
+    T* scratch = row_scratch<T>(x.nx() + 2);
     wavefront(team, x.ny(), 2 * sweeps + 2, [&](int s, int j) {
       if (s == 0) {
         std::fill(x.row(j) - halo, x.row(j) + x.nx() + halo, T(0));
       } else if (s <= 2 * sweeps) {
         relax_row(x, b, j, (s - 1) % 2, scratch);
       } else {
-        residual_row(*this, x, b, r, j);
+        residual_row(x, b, r, j);
       }
     });
   }
   /// x += P coarse, `sweeps` sweeps in reversed order.
   void ascend(Team& team, const PoissonLevel& coarse, int sweeps) {
-    T* scratch = row_scratch(x.nx()).data();
+    T* scratch = row_scratch<T>(x.nx() + 2);
     wavefront(team, x.ny(), 2 * sweeps + 1, [&](int s, int j) {
       if (s == 0) {
         prolong_poisson_row(coarse.a, coarse.x, boundary_.periodic_x, x, j, scratch);
@@ -96,7 +78,7 @@ class PoissonLevel {
     team.sync();
   }
   void prolong_to(Team& team, PoissonLevel& fine) const {
-    prolong_poisson(team, a, x, boundary_.periodic_x, fine.x, row_scratch(x.nx() + 2).data());
+    prolong_poisson(team, a, x, boundary_.periodic_x, fine.x, row_scratch<T>(x.nx() + 2));
     team.sync();
   }
   template <class X>
@@ -108,13 +90,11 @@ class PoissonLevel {
   bool fixed(int, int) const { return false; }
   std::size_t bytes() const { return a.bytes() + x.bytes() + b.bytes() + r.bytes(); }
 
-  static std::vector<T>& row_scratch(int n) {
-    thread_local std::vector<T> scratch;
-    if (static_cast<int>(scratch.size()) < n) scratch.resize(n);
-    return scratch;
-  }
-
  private:
+  void residual_row(const Unknown& q, const Unknown& rhs, Unknown& out, int j) const {
+    residual_poisson_row(a, q, rhs, j, out.row(j));
+    wrap(out, j);
+  }
   void relax_row(Unknown& q, const Unknown& rhs, int j, int colour, T* scratch) const {
     relax_poisson_row(a, q, rhs, j, colour, scratch);
     wrap(q, j);
@@ -162,15 +142,15 @@ class ViscousLevel {
   }
   void relax(Team& team, Unknown& w, const Unknown& rhs, bool reversed) const {
     const Rows rows = team.rows(a.eta_c.ny() + 1);
-    std::vector<T>& scratch = PoissonLevel<T>::row_scratch(a.eta_c.nx() + 1);
+    T* scratch = row_scratch<T>(a.eta_c.nx() + 1);
     for (int pass = 0; pass < 4; ++pass) {
-      for (int j = rows.begin; j < rows.end; ++j) relax_row(w, rhs, j, reversed ? 3 - pass : pass, scratch.data());
+      for (int j = rows.begin; j < rows.end; ++j) relax_row(w, rhs, j, reversed ? 3 - pass : pass, scratch);
       team.sync();
     }
   }
   /// x = 0, `sweeps` sweeps, r = b - A x, in one pass through memory. Synced on return, as ascend().
   void descend(Team& team, int sweeps) {
-    T* scratch = PoissonLevel<T>::row_scratch(a.eta_c.nx() + 1).data();
+    T* scratch = row_scratch<T>(a.eta_c.nx() + 1);
     wavefront(team, a.eta_c.ny() + 1, 4 * sweeps + 2, [&](int s, int j) {
       if (s == 0) {
         if (j < x.u.ny()) std::fill(x.u.row(j) - halo, x.u.row(j) + x.u.nx() + halo, T(0));
@@ -178,14 +158,14 @@ class ViscousLevel {
       } else if (s <= 4 * sweeps) {
         relax_row(x, b, j, (s - 1) % 4, scratch);
       } else {
-        if (j < x.u.ny()) residual_row(*this, x, b, r, 2 * j);
-        residual_row(*this, x, b, r, j < x.u.ny() ? 2 * j + 1 : 2 * j);
+        if (j < x.u.ny()) residual_row(x, b, r, 2 * j);
+        residual_row(x, b, r, j < x.u.ny() ? 2 * j + 1 : 2 * j);
       }
     });
   }
   /// x += P coarse, `sweeps` sweeps in reversed order.
   void ascend(Team& team, const ViscousLevel& coarse, int sweeps) {
-    T* scratch = PoissonLevel<T>::row_scratch(a.eta_c.nx() + 1).data();
+    T* scratch = row_scratch<T>(a.eta_c.nx() + 1);
     wavefront(team, a.eta_c.ny() + 1, 4 * sweeps + 1, [&](int s, int j) {
       if (s == 0) {
         prolong_viscous_row(coarse.x, coarse.boundary_, a.inverse_diagonal, x, j);
@@ -195,7 +175,9 @@ class ViscousLevel {
     });
   }
   void residual(Team& team, const Unknown& w, const Unknown& rhs, Unknown& out) const {
-    residual_rows(team, *this, w, rhs, out);
+    const Rows rows = team.rows(row_count(w));
+    for (int k = rows.begin; k < rows.end; ++k) residual_row(w, rhs, out, k);
+    team.sync();
   }
   template <class X>
   void apply_row(const VelocityOf<X>& w, int k, X* out) const {
@@ -225,6 +207,10 @@ class ViscousLevel {
   std::size_t bytes() const { return a.bytes() + x.bytes() + b.bytes() + r.bytes(); }
 
  private:
+  void residual_row(const Unknown& w, const Unknown& rhs, Unknown& out, int k) const {
+    residual_viscous_row(a, w, rhs, k, row_of(out, k).data);
+    wrap(out, k);
+  }
   /// Stage 0, 1: u red, black; 2, 3: v red, black. Row j of u, or of v.
   void relax_row(Unknown& w, const Unknown& rhs, int j, int stage, T* scratch) const {
     if (stage < 2) {

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "kernels/norms.hpp"
+
 namespace hourglass {
 
 template <class T>
@@ -68,17 +70,11 @@ double Projection<T>::measure_divergence(Team& team, const Velocity& w) {
   for (int j = rows.begin; j < rows.end; ++j) {
     const double *u = w.u.row(j), *vs = w.v.row(j), *vn = w.v.row(j + 1);
     double* __restrict out = rhs_.row(j);
-    double m = 0, fastest = 0, check = 0;
     const int n = rhs_.nx();
-#pragma omp simd reduction(max : m, fastest) reduction(+ : check)
-    for (int i = 0; i < n; ++i) {
-      out[i] = -((u[i + 1] - u[i]) + (vn[i] - vs[i]));
-      m = std::max(m, std::abs(out[i]));
-      fastest = std::max(fastest, std::max(std::abs(u[i]), std::abs(vs[i])));
-      check += out[i];
-    }
-    largest_[j] = std::isfinite(check) ? m : check;
-    speed_[j] = fastest;
+#pragma omp simd
+    for (int i = 0; i < n; ++i) out[i] = -((u[i + 1] - u[i]) + (vn[i] - vs[i]));
+    largest_[j] = max_magnitude(out, n);
+    speed_[j] = std::max(max_magnitude(u, n + 1), max_magnitude(vs, n));
   }
   team.sync();
   const double result = largest_.max();

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "kernels/norms.hpp"
+
 namespace hourglass {
 
 const char* name_of(DtLimit limit) {
@@ -20,21 +22,21 @@ FastestCells fastest_cells(const Fields& fields, int threads) {
   RowSums near(ny), air(ny);
   parallel(threads, [&](Team& team) {
     const Rows rows = team.rows(ny);
+    thread_local std::vector<double> by_grains, in_air;
+    by_grains.resize(nx);
+    in_air.resize(nx);
     for (int j = rows.begin; j < rows.end; ++j) {
       const double *u = fields.u.row(j), *vs = fields.v.row(j), *vn = fields.v.row(j + 1);
       const double *c = fields.grains.row(j), *below = fields.grains.row(j - 1), *above = fields.grains.row(j + 1);
-      double grains = 0, free = 0, check = 0;
-#pragma omp simd reduction(max : grains, free) reduction(+ : check)
+#pragma omp simd
       for (int i = 0; i < nx; ++i) {
-        const double speed =
-            std::max(std::abs(u[i]), std::abs(u[i + 1])) + std::max(std::abs(vs[i]), std::abs(vn[i]));
+        const double speed = std::max(std::abs(u[i]), std::abs(u[i + 1])) + std::max(std::abs(vs[i]), std::abs(vn[i]));
         const double any = (c[i - 1] + c[i] + c[i + 1]) + (below[i] + above[i]);
-        grains = std::max(grains, any > 0 ? speed : 0.0);
-        free = std::max(free, any > 0 ? 0.0 : speed);
-        check += speed;
+        by_grains[i] = any > 0 ? speed : 0.0;
+        in_air[i] = any > 0 ? 0.0 : speed;
       }
-      near[j] = std::isfinite(check) ? grains : check;
-      air[j] = free;
+      near[j] = max_magnitude(by_grains.data(), nx);
+      air[j] = max_magnitude(in_air.data(), nx);
     }
   });
   return {near.max(), air.max()};
