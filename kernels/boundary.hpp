@@ -7,12 +7,14 @@
 
 namespace hourglass {
 
-/// One side of a patch. Faces and corners are counted along the side, from left to right or from bottom to top.
+/// One side of a patch. Faces and corners are counted along the side, from left to right or from bottom to
+/// top.
 struct SideFaces {
   /// [faces] Open share of each boundary face, 0 (wall) to 1 (p = 0, no traction).
   std::vector<double> open;
-  /// [faces + 1] Weight of the shear energy at each boundary corner in units of an inner corner's: 2 on a no-slip wall
-  /// (the gradient is taken over half a cell, half a control volume), 0 on a free-slip wall and where open.
+  /// [faces + 1] Weight of the shear energy at each boundary corner in units of an inner corner's: 2 on a
+  /// no-slip wall (the gradient is taken over half a cell, half a control volume), 0 on a free-slip wall and
+  /// where open.
   std::vector<double> shear;
 };
 
@@ -23,8 +25,8 @@ struct Boundary {
   SideFaces left, right, bottom, top;
   bool periodic_x = false;
 
-  /// The same boundary seen by the patch with half the cells: open shares and shear weights are averaged, so an
-  /// orifice thinner than a coarse cell stays open on it.
+  /// The same boundary seen by the patch with half the cells: open shares and shear weights are averaged, so
+  /// an orifice thinner than a coarse cell stays open on it.
   Boundary coarser() const;
   /// Whether a boundary face carries an unknown normal velocity on this level.
   static bool unknown(double open) { return open >= 0.5; }
@@ -66,8 +68,8 @@ void wrap_row(T* row, int period) {
   row[period + 1] = row[1];
 }
 
-/// Halo of a velocity for advection and strain rates, two layers: ghost_factor * inside for the tangential component, zero
-/// gradient for the normal one, wrapped where periodic. Call from one member.
+/// Halo of a velocity for advection and strain rates, two layers: ghost_factor * inside for the tangential
+/// component, zero gradient for the normal one, wrapped where periodic. Call from one member.
 inline void fill_velocity_halo(const Boundary& b, XFaceField& u, YFaceField& v) {
   const int nx = u.patch().nx, ny = u.patch().ny;
   for (int j = 0; j < ny; ++j) {

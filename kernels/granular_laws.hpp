@@ -12,7 +12,8 @@ struct Grain {
   double density = 1;                              ///< bulk density at rest [M/L^2]
 };
 
-/// Inertial number I = |γ̇| d / sqrt(P/ρ) (GDR MiDi 2004); written so that P = 0 gives a large number, not a NaN.
+/// Inertial number I = |γ̇| d / sqrt(P/ρ) (GDR MiDi 2004); written so that P = 0 gives a large number, not a
+/// NaN.
 inline double inertial_number(double gamma_dot, double pressure, const Grain& g) {
   return gamma_dot * g.diameter * std::sqrt(g.density) / std::sqrt(std::max(pressure, 1e-300));
 }
@@ -30,7 +31,8 @@ inline double granular_viscosity(double gamma_dot, double pressure, double mu_s,
   return mu * pressure / rate;
 }
 
-/// C(I) of Barker, Schaeffer, Bohorquez & Gray 2015: the equations are well posed where C <= 0 (numerics 4.1).
+/// C(I) of Barker, Schaeffer, Bohorquez & Gray 2015: the equations are well posed where C <= 0 (numerics
+/// 4.1).
 inline double well_posedness(double I, const Grain& g) {
   const double mu = mu_of_I(I, g);
   const double mu_prime = g.delta_mu * g.I_0 / ((g.I_0 + I) * (g.I_0 + I));

@@ -3,10 +3,10 @@
 //
 //   u* = u - (1/(ρ' V)) Σ_faces M (u_face - u) + Δt (g - β ∂p),   ρ' = density of the control volume after VOF,
 //
-// M the mass that VOF carried out of the control volume through each face: the mean of the two fluxes around it, for which
-// the mean density of two cells is conserved exactly (the consistency of Rudman 1998 on one grid), so a uniform velocity
-// stays uniform at any density ratio. u_face: upwind, second order where the density is uniform (monotonised-central slope,
-// half a step ahead), first order across the free surface.
+// M the mass that VOF carried out of the control volume through each face: the mean of the two fluxes around
+// it, for which the mean density of two cells is conserved exactly (the consistency of Rudman 1998 on one
+// grid), so a uniform velocity stays uniform at any density ratio. u_face: upwind, second order where the
+// density is uniform (monotonised-central slope, half a step ahead), first order across the free surface.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -18,10 +18,11 @@ namespace hourglass {
 
 /// Where mass is and went in this step.
 struct MassTransport {
-  XFaceField x;                ///< mass through x-faces in this step over h^2 [M/L^2], halo 0 or wrapped
-  YFaceField y;                ///< the same through y-faces
-  CellField density;           ///< after VOF, halo 2 [M/L^2]
-  CellFieldOf<float> uniform;  ///< 1 where density varies by less than 1 % over 3 x 3 cells, else 0; 0 in the halo
+  XFaceField x;       ///< mass through x-faces in this step over h^2 [M/L^2], halo 0 or wrapped
+  YFaceField y;       ///< the same through y-faces
+  CellField density;  ///< after VOF, halo 2 [M/L^2]
+  CellFieldOf<float>
+      uniform;  ///< 1 where density varies by less than 1 % over 3 x 3 cells, else 0; 0 in the halo
 
   explicit MassTransport(const Patch& p) : x(p), y(p), density(p), uniform(p) {}
   std::size_t bytes() const { return x.bytes() + y.bytes() + density.bytes() + uniform.bytes(); }
@@ -49,10 +50,10 @@ struct ComponentRow {
   double flag(int i) const { return static_cast<double>(flag_a[i] * flag_b[i]); }
 };
 
-/// out[i] += Σ M (q_face - q_i) over the two faces along the row, i = 0 .. n-1. face(i) lies between points i-1 and i.
-/// slope, carried: scratch of n + 4 values, used from index 2.
-inline void advect_along_row(const ComponentRow& row, const FaceRow& face, double dt_h, int n, double* __restrict slope,
-                             double* __restrict carried, double* __restrict out) {
+/// out[i] += Σ M (q_face - q_i) over the two faces along the row, i = 0 .. n-1. face(i) lies between points
+/// i-1 and i. slope, carried: scratch of n + 4 values, used from index 2.
+inline void advect_along_row(const ComponentRow& row, const FaceRow& face, double dt_h, int n,
+                             double* __restrict slope, double* __restrict carried, double* __restrict out) {
   const double* __restrict q = row.q;
 #pragma omp simd
   for (int i = -1; i <= n; ++i) slope[i + 2] = row.flag(i) * limited(q[i] - q[i - 1], q[i + 1] - q[i]);
@@ -68,8 +69,8 @@ inline void advect_along_row(const ComponentRow& row, const FaceRow& face, doubl
 }
 
 /// out[i] += Σ M (q_face - q_i) over the faces below and above. rows[0..4]: the component at rows j-2 .. j+2.
-inline void advect_across_rows(const ComponentRow (&rows)[5], const FaceRow& below, const FaceRow& above, double dt_h, int n,
-                               double* __restrict out) {
+inline void advect_across_rows(const ComponentRow (&rows)[5], const FaceRow& below, const FaceRow& above,
+                               double dt_h, int n, double* __restrict out) {
   const ComponentRow &m = rows[1], &c = rows[2], &p = rows[3];
 #pragma omp simd
   for (int i = 0; i < n; ++i) {
@@ -83,8 +84,10 @@ inline void advect_across_rows(const ComponentRow (&rows)[5], const FaceRow& bel
   }
 }
 
-/// Σ M (u_face - u) of row j of u, i = 0 .. nx, M outward [M/T/L]. in: u, v halo 2, mass halo 1. scratch: 2 (nx + 5).
-inline void advect_u_row(const XFaceField& u, const YFaceField& v, const MassTransport& mass, double dt_h, int j, double* scratch, double* out) {
+/// Σ M (u_face - u) of row j of u, i = 0 .. nx, M outward [M/T/L]. in: u, v halo 2, mass halo 1. scratch: 2
+/// (nx + 5).
+inline void advect_u_row(const XFaceField& u, const YFaceField& v, const MassTransport& mass, double dt_h,
+                         int j, double* scratch, double* out) {
   const int n = u.nx();
   std::fill(out, out + n, 0.0);
   const auto component = [&](int k) {
@@ -92,13 +95,17 @@ inline void advect_u_row(const XFaceField& u, const YFaceField& v, const MassTra
   };
   const FaceRow along{mass.x.row(j) - 1, mass.x.row(j), u.row(j) - 1, u.row(j)};
   advect_along_row(component(j), along, dt_h, n, scratch, scratch + n + 4, out);
-  const ComponentRow rows[5] = {component(j - 2), component(j - 1), component(j), component(j + 1), component(j + 2)};
-  const auto corner = [&](int k) { return FaceRow{mass.y.row(k) - 1, mass.y.row(k), v.row(k) - 1, v.row(k)}; };
+  const ComponentRow rows[5] = {component(j - 2), component(j - 1), component(j), component(j + 1),
+                                component(j + 2)};
+  const auto corner = [&](int k) {
+    return FaceRow{mass.y.row(k) - 1, mass.y.row(k), v.row(k) - 1, v.row(k)};
+  };
   advect_across_rows(rows, corner(j), corner(j + 1), dt_h, n, out);
 }
 
 /// The same of row j of v, i = 0 .. nx - 1.
-inline void advect_v_row(const XFaceField& u, const YFaceField& v, const MassTransport& mass, double dt_h, int j, double* scratch, double* out) {
+inline void advect_v_row(const XFaceField& u, const YFaceField& v, const MassTransport& mass, double dt_h,
+                         int j, double* scratch, double* out) {
   const int n = v.nx(), ny = v.patch().ny;
   std::fill(out, out + n, 0.0);
   // Row k of v lies between cell rows k - 1 and k; beyond the halo the flag is that of the halo, 0.
@@ -108,7 +115,8 @@ inline void advect_v_row(const XFaceField& u, const YFaceField& v, const MassTra
   const FaceRow along{mass.x.row(j - 1), mass.x.row(j), u.row(j - 1), u.row(j)};
   advect_along_row(component(j), along, dt_h, n, scratch, scratch + n + 4, out);
   const int lowest = std::max(j - 2, -1), highest = std::min(j + 2, ny + 1);
-  const ComponentRow rows[5] = {component(lowest), component(j - 1), component(j), component(j + 1), component(highest)};
+  const ComponentRow rows[5] = {component(lowest), component(j - 1), component(j), component(j + 1),
+                                component(highest)};
   const auto cell = [&](int k) { return FaceRow{mass.y.row(k), mass.y.row(k + 1), v.row(k), v.row(k + 1)}; };
   advect_across_rows(rows, cell(j - 1), cell(j), dt_h, n, out);
 }

@@ -5,8 +5,9 @@
 
 namespace hourglass {
 
-/// max |x[i]|, NaN if any is NaN. Magnitudes are compared as integers: the bit patterns of non-negative numbers are ordered, NaN is
-/// above all, and unlike a maximum of floating-point numbers this one is a vector instruction.
+/// max |x[i]|, NaN if any is NaN. Magnitudes are compared as integers: the bit patterns of non-negative
+/// numbers are ordered, NaN is above all, and unlike a maximum of floating-point numbers this one is a vector
+/// instruction.
 inline double max_magnitude(const float* __restrict x, int n) {
   std::uint32_t m = 0;
 #pragma omp simd reduction(max : m)

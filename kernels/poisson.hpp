@@ -3,8 +3,8 @@
 //
 //   (A q)_c = sum over the four faces of beta_f (q_c - q_nb),   beta = aperture / rho [L^2/M] on faces,
 //
-// with q = 0 beyond every boundary: a wall has beta = 0, an open face 2 / rho (p = 0 half a cell away). A q = b with b the
-// sum of face velocities into the cell, so that u - beta (q_right - q_left) is solenoidal.
+// with q = 0 beyond every boundary: a wall has beta = 0, an open face 2 / rho (p = 0 half a cell away). A q =
+// b with b the sum of face velocities into the cell, so that u - beta (q_right - q_left) is solenoidal.
 #include <algorithm>
 
 #include "kernels/boundary.hpp"
@@ -13,12 +13,12 @@
 
 namespace hourglass {
 
-/// Coefficients of A; T is the precision of the preconditioner and, because the velocity correction reads the same
-/// numbers, of nothing else: the divergence vanishes for these very coefficients.
+/// Coefficients of A; T is the precision of the preconditioner and, because the velocity correction reads the
+/// same numbers, of nothing else: the divergence vanishes for these very coefficients.
 template <class T>
 struct PoissonCoefficients {
-  VelocityOf<T> beta;                ///< on faces [L^2/M]
-  CellFieldOf<T> inverse_diagonal;   ///< 1 / (sum of the four beta) [M/L^2]; 0 for a cell without open face
+  VelocityOf<T> beta;               ///< on faces [L^2/M]
+  CellFieldOf<T> inverse_diagonal;  ///< 1 / (sum of the four beta) [M/L^2]; 0 for a cell without open face
 
   PoissonCoefficients() = default;
   explicit PoissonCoefficients(const Patch& p) : beta(p), inverse_diagonal(p) {}
@@ -39,11 +39,11 @@ struct PoissonRow {
   X diagonal(int i) const { return (X(bx[i + 1]) + X(bx[i])) + (X(bn[i]) + X(bs[i])); }
 };
 
-/// Gauss-Seidel on the cells of row j of one colour (take_colour). in: x, halo 1 (0, or wrapped); out: row j of x.
-/// Reads beta 8 B, inverse diagonal 4 B, b 4 B, x 4 B and writes x 4 B a cell (float).
+/// Gauss-Seidel on the cells of row j of one colour (take_colour). in: x, halo 1 (0, or wrapped); out: row j
+/// of x. Reads beta 8 B, inverse diagonal 4 B, b 4 B, x 4 B and writes x 4 B a cell (float).
 template <class T>
-void relax_poisson_row(const PoissonCoefficients<T>& a, CellFieldOf<T>& x, const CellFieldOf<T>& b, int j, int colour,
-                       T* __restrict scratch) {
+void relax_poisson_row(const PoissonCoefficients<T>& a, CellFieldOf<T>& x, const CellFieldOf<T>& b, int j,
+                       int colour, T* __restrict scratch) {
   const PoissonRow<T, T> row(a, x, j);
   const T* __restrict rhs = b.row(j);
   const T* __restrict inv = a.inverse_diagonal.row(j);
@@ -64,8 +64,8 @@ void apply_poisson_row(const PoissonCoefficients<T>& a, const CellFieldOf<X>& x,
 
 /// b - A x on row j.
 template <class T, class X>
-void residual_poisson_row(const PoissonCoefficients<T>& a, const CellFieldOf<X>& x, const CellFieldOf<X>& b, int j,
-                          X* __restrict out) {
+void residual_poisson_row(const PoissonCoefficients<T>& a, const CellFieldOf<X>& x, const CellFieldOf<X>& b,
+                          int j, X* __restrict out) {
   const PoissonRow<T, X> row(a, x, j);
   const X* __restrict rhs = b.row(j);
   const int n = x.nx();
@@ -87,8 +87,9 @@ void fill_inverse_diagonal(Team& team, PoissonCoefficients<T>& a) {
   }
 }
 
-/// beta of the next coarser level: the mean of the two fine faces on each coarse face; at an orifice the closed ones count
-/// as 0, which is the open share (numerics 2.2). Rows of this member; sync before and after.
+/// beta of the next coarser level: the mean of the two fine faces on each coarse face; at an orifice the
+/// closed ones count as 0, which is the open share (numerics 2.2). Rows of this member; sync before and
+/// after.
 template <class T>
 void coarsen_poisson(Team& team, const PoissonCoefficients<T>& fine, PoissonCoefficients<T>& coarse) {
   const int nx = coarse.inverse_diagonal.nx(), ny = coarse.inverse_diagonal.ny();
@@ -118,19 +119,20 @@ void restrict_poisson(Team& team, const CellFieldOf<T>& fine, CellFieldOf<T>& co
   }
 }
 
-/// Interpolation weight of the neighbour behind a face, in units of the bilinear one: 1 in a uniform medium, towards 0 from a
-/// light cell to a dense one. Across the free surface q is continuous in slope times beta, so in the light medium it hardly
-/// changes and must not follow the dense one; at a wall (beta = 0) it is level.
+/// Interpolation weight of the neighbour behind a face, in units of the bilinear one: 1 in a uniform medium,
+/// towards 0 from a light cell to a dense one. Across the free surface q is continuous in slope times beta,
+/// so in the light medium it hardly changes and must not follow the dense one; at a wall (beta = 0) it is
+/// level.
 template <class T>
 T interpolation_weight(T beta, T inverse_diagonal) {
   return std::min(T(1), T(6) * beta * inverse_diagonal);
 }
 
-/// Row j of fine += coarse, interpolated by products of (1 - w/4, w/4), w = interpolation_weight; behind an open boundary face
-/// stands -q. Halo of fine is wrapped where periodic, else left 0. scratch: nx + 2 values.
+/// Row j of fine += coarse, interpolated by products of (1 - w/4, w/4), w = interpolation_weight; behind an
+/// open boundary face stands -q. Halo of fine is wrapped where periodic, else left 0. scratch: nx + 2 values.
 template <class T>
-void prolong_poisson_row(const PoissonCoefficients<T>& a, const CellFieldOf<T>& coarse, bool periodic, CellFieldOf<T>& fine,
-                         int j, T* __restrict scratch) {
+void prolong_poisson_row(const PoissonCoefficients<T>& a, const CellFieldOf<T>& coarse, bool periodic,
+                         CellFieldOf<T>& fine, int j, T* __restrict scratch) {
   const int nx = coarse.nx(), ny = coarse.ny();
   T* __restrict line = scratch + 1;
   const int cj = j / 2, other = j % 2 == 0 ? cj - 1 : cj + 1;

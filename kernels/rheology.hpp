@@ -22,12 +22,13 @@ struct LimitCounts {
   long capped = 0, floored = 0;
 };
 
-/// Cell viscosity of one material: eta = c clamp(mu(I) P / |γ̇|, eta_min, eta_max) + (1 - c) eta_air. P = 0 gives eta_min and
-/// rest under pressure eta_max: a scene that starts from p = 0 starts to flow (numerics P1).
-/// in: gamma2 [1/T^2], p, grains (interior); out: eta_c of row j. 3 reads (8 B) + 1 write (4 or 8 B).
+/// Cell viscosity of one material: eta = c clamp(mu(I) P / |γ̇|, eta_min, eta_max) + (1 - c) eta_air. P = 0
+/// gives eta_min and rest under pressure eta_max: a scene that starts from p = 0 starts to flow (numerics
+/// P1). in: gamma2 [1/T^2], p, grains (interior); out: eta_c of row j. 3 reads (8 B) + 1 write (4 or 8 B).
 template <class T>
-void granular_viscosity_row(const double* __restrict gamma2, const double* __restrict p, const double* __restrict grains,
-                            int n, const Grain& g, const ViscosityLimits& limits, T* __restrict eta) {
+void granular_viscosity_row(const double* __restrict gamma2, const double* __restrict p,
+                            const double* __restrict grains, int n, const Grain& g,
+                            const ViscosityLimits& limits, T* __restrict eta) {
   const double d_sqrt_rho = g.diameter * std::sqrt(g.density);
   const double mu_s = g.mu_s, delta_mu = g.delta_mu, I_0 = g.I_0;
   const double lo = limits.eta_min, hi = limits.eta_max, air = limits.air, p0 = limits.background_pressure;
@@ -40,8 +41,8 @@ void granular_viscosity_row(const double* __restrict gamma2, const double* __res
   }
 }
 
-/// The same for several materials: a cell's mu_s, delta_mu, I_0 and d sqrt(rho) are linear means by volume share.
-/// tracers[k][i]: share of the cell filled by grain k + 1.
+/// The same for several materials: a cell's mu_s, delta_mu, I_0 and d sqrt(rho) are linear means by volume
+/// share. tracers[k][i]: share of the cell filled by grain k + 1.
 template <class T>
 void blended_viscosity_row(const double* gamma2, const double* p, const double* grains,
                            const std::vector<const double*>& tracers, int n, const std::vector<Grain>& g,
@@ -70,8 +71,9 @@ void blended_viscosity_row(const double* gamma2, const double* p, const double* 
   }
 }
 
-/// Corner viscosity from the cells around it, times the shear weight at boundaries. Harmonic: numerics P2 (best observed
-/// order of the discharge). in: eta_c of the interior (wrapped halo where periodic); out: row j of eta_n.
+/// Corner viscosity from the cells around it, times the shear weight at boundaries. Harmonic: numerics P2
+/// (best observed order of the discharge). in: eta_c of the interior (wrapped halo where periodic); out: row
+/// j of eta_n.
 template <class T>
 void corner_viscosity_row(const CellFieldOf<T>& eta_c, const Boundary& boundary, bool harmonic, int j,
                           CornerFieldOf<T>& eta_n) {

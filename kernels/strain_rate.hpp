@@ -9,9 +9,9 @@
 
 namespace hourglass {
 
-/// |γ̇|^2 in cells: 2 (dx u)^2 + 2 (dy v)^2 + (mean over the four corners of dy u + dx v)^2 [1/T^2]. The mean before the
-/// square takes out the shortest wave (numerics 1.1).
-/// in: u, v, halo 1 filled by fill_velocity_halo; out: interior cells. Rows of this member. 2 reads + 1 write: 24 B/cell.
+/// |γ̇|^2 in cells: 2 (dx u)^2 + 2 (dy v)^2 + (mean over the four corners of dy u + dx v)^2 [1/T^2]. The mean
+/// before the square takes out the shortest wave (numerics 1.1). in: u, v, halo 1 filled by
+/// fill_velocity_halo; out: interior cells. Rows of this member. 2 reads + 1 write: 24 B/cell.
 inline void shear_rate_squared(Team& team, const XFaceField& u, const YFaceField& v, CellField& gamma2) {
   const int nx = gamma2.nx(), ny = gamma2.ny();
   const double inv_h = 1 / gamma2.patch().h;
@@ -32,15 +32,16 @@ inline void shear_rate_squared(Team& team, const XFaceField& u, const YFaceField
   }
 }
 
-/// The passes that smooth over a length: each is the stencil (w, 1 - 2w, w) at distance `stride` in x and in y.
+/// The passes that smooth over a length: each is the stencil (w, 1 - 2w, w) at distance `stride` in x and in
+/// y.
 struct SmoothingPass {
   int stride;
   double weight;  ///< w <= 1/4
 };
 
-/// Passes whose variances 2 w stride^2 h^2 add up to length^2 / 2: one 1-2-1 pass is length h, the filter that numerics P1
-/// found to work. Strides double (a trous), so the number of passes grows with the logarithm of length / h. halo = 2 bounds
-/// nothing here: strides reach into the patch only.
+/// Passes whose variances 2 w stride^2 h^2 add up to length^2 / 2: one 1-2-1 pass is length h, the filter
+/// that numerics P1 found to work. Strides double (a trous), so the number of passes grows with the logarithm
+/// of length / h. halo = 2 bounds nothing here: strides reach into the patch only.
 inline std::vector<SmoothingPass> smoothing_passes(double length, double h) {
   std::vector<SmoothingPass> passes;
   double variance = 0.5 * (length / h) * (length / h);  // in h^2
@@ -55,18 +56,22 @@ inline std::vector<SmoothingPass> smoothing_passes(double length, double h) {
   return passes;
 }
 
-/// One pass in x over rows of (numerator, weight): a <- a (1 - 2w) + w (a_left + a_right); points outside the patch are left
-/// out of both, so that their ratio stays a mean over the grains inside (boundary-aware). Rows of this member.
-inline void smooth_row(double* __restrict row, int n, SmoothingPass pass, bool periodic, double* __restrict scratch) {
+/// One pass in x over rows of (numerator, weight): a <- a (1 - 2w) + w (a_left + a_right); points outside the
+/// patch are left out of both, so that their ratio stays a mean over the grains inside (boundary-aware). Rows
+/// of this member.
+inline void smooth_row(double* __restrict row, int n, SmoothingPass pass, bool periodic,
+                       double* __restrict scratch) {
   const int s = pass.stride;
   const double w = pass.weight, c = 1 - 2 * w;
   std::copy(row, row + n, scratch);
   if (n > 2 * s) {
     const double *left = scratch - s, *right = scratch + s;
-    for (int i = 0; i < s; ++i) row[i] = c * scratch[i] + w * (right[i] + (periodic ? scratch[i - s + n] : 0));
+    for (int i = 0; i < s; ++i)
+      row[i] = c * scratch[i] + w * (right[i] + (periodic ? scratch[i - s + n] : 0));
 #pragma omp simd
     for (int i = s; i < n - s; ++i) row[i] = c * scratch[i] + w * (left[i] + right[i]);
-    for (int i = n - s; i < n; ++i) row[i] = c * scratch[i] + w * (left[i] + (periodic ? scratch[i + s - n] : 0));
+    for (int i = n - s; i < n; ++i)
+      row[i] = c * scratch[i] + w * (left[i] + (periodic ? scratch[i + s - n] : 0));
     return;
   }
   for (int i = 0; i < n; ++i) {

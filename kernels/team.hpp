@@ -1,11 +1,11 @@
 #pragma once
-// The only threads in hourglass. A stage is `parallel(threads, [&](Team& team) {...})`: every member runs
-// the body; rows are shared out by `team.rows(n)`, and `team.sync()` waits for the others. Row shares depend on
+// The only threads in hourglass. A stage is `parallel(threads, [&](Team& team) {...})`: every member runs the
+// body; rows are shared out by `team.rows(n)`, and `team.sync()` waits for the others. Row shares depend on
 // the number of rows and members only, and sums are taken row by row in a fixed order, so a result does not
 // depend on the number of threads.
 //
-// Why not OpenMP's own barrier: on a shared machine it spins for milliseconds while a neighbour holds the core
-// that the last thread needs. This one spins for some ten microseconds and then sleeps in the kernel.
+// Why not OpenMP's own barrier: on a shared machine it spins for milliseconds while a neighbour holds the
+// core that the last thread needs. This one spins for some ten microseconds and then sleeps in the kernel.
 #include <omp.h>
 
 #include <atomic>
@@ -23,7 +23,8 @@ class Barrier {
     const int phase = phase_.load(std::memory_order_relaxed);
     if (arrived_.fetch_add(1, std::memory_order_acq_rel) == members_ - 1) {
       arrived_.store(0, std::memory_order_relaxed);
-      // Sequentially consistent: notify_all() asks whether anybody sleeps, and must not ask before the store is seen.
+      // Sequentially consistent: notify_all() asks whether anybody sleeps, and must not ask before the store
+      // is seen.
       phase_.store(phase + 1, std::memory_order_seq_cst);
       phase_.notify_all();
       return;
@@ -89,11 +90,12 @@ void parallel(int threads, Body&& body) {
   }
 }
 
-/// Runs operations 0 .. ops-1 on rows 0 .. n-1 as if each were a pass over all rows, in one sweep through memory: operation s
-/// trails operation s - 1 by a row, so a row is worked on while it is in cache (wavefront or temporal blocking; Douglas,
-/// Hu, Kowarschik, Ruede & Weiss 2000). op(s, j) may read rows j-1 .. j+1 of what earlier operations wrote, and nothing that operation
-/// s itself writes in other rows. Members work on slabs that shrink by a row an operation, then on the triangles left between
-/// slabs: two barriers in all. Synced on return.
+/// Runs operations 0 .. ops-1 on rows 0 .. n-1 as if each were a pass over all rows, in one sweep through
+/// memory: operation s trails operation s - 1 by a row, so a row is worked on while it is in cache (wavefront
+/// or temporal blocking; Douglas, Hu, Kowarschik, Ruede & Weiss 2000). op(s, j) may read rows j-1 .. j+1 of
+/// what earlier operations wrote, and nothing that operation s itself writes in other rows. Members work on
+/// slabs that shrink by a row an operation, then on the triangles left between slabs: two barriers in all.
+/// Synced on return.
 template <class Op>
 void wavefront(Team& team, int n, int ops, Op&& op) {
   if (team.size() > 1 && n / team.size() < 2 * ops + 2) {  // slabs too thin to shrink: pass by pass
@@ -120,7 +122,8 @@ void wavefront(Team& team, int n, int ops, Op&& op) {
   team.sync();
 }
 
-/// A row of n values that belongs to this thread, with 16 more on either side; what is in it is lost at the next call.
+/// A row of n values that belongs to this thread, with 16 more on either side; what is in it is lost at the
+/// next call.
 template <class T>
 T* row_scratch(int n) {
   thread_local std::vector<T> scratch;

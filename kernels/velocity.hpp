@@ -21,8 +21,8 @@ struct VelocityOf {
 };
 using Velocity = VelocityOf<double>;
 
-/// Rows of an unknown, all components: what Team::rows shares out and RowSums is sized by. The rows of u and v
-/// alternate, so that a member's share of both is one slab of the patch.
+/// Rows of an unknown, all components: what Team::rows shares out and RowSums is sized by. The rows of u and
+/// v alternate, so that a member's share of both is one slab of the patch.
 template <class T>
 int row_count(const CellFieldOf<T>& f) {
   return f.ny();
@@ -57,10 +57,10 @@ Row<const T> row_of(const VelocityOf<T>& f, int k) {
   return {f.v.row(k / 2), f.v.nx()};
 }
 
-/// Red-black colours of a row: point i of row j has colour (i + j) mod 2, counted from the nearer end of the row, so that a
-/// mirrored problem is smoothed in mirrored order and keeps its symmetry to rounding. In rows with an even number of points the two
-/// at the middle share a colour; they are updated at once from each other's old value.
-/// Takes over the updated values of one colour: out[i] = updated[i] where i has it.
+/// Red-black colours of a row: point i of row j has colour (i + j) mod 2, counted from the nearer end of the
+/// row, so that a mirrored problem is smoothed in mirrored order and keeps its symmetry to rounding. In rows
+/// with an even number of points the two at the middle share a colour; they are updated at once from each
+/// other's old value. Takes over the updated values of one colour: out[i] = updated[i] where i has it.
 template <class T>
 void take_colour(const T* __restrict updated, int n, int j, int colour, T* __restrict out) {
   const int half = n % 2 == 0 ? n / 2 : n;

@@ -3,14 +3,15 @@
 //
 //   E(u) = 1/2 sum_f m_f u_f^2 + sum_c eta_c [(dx u)^2 + (dy v)^2] h^2 + 1/2 sum_n eta_n (dy u + dx v)^2 h^2,
 //
-// so A = E'' is symmetric and positive. Written out, with m = V rho h^2 / dt [M/T] on faces, V the share of a full control
-// volume (1/2 on open boundary faces), eta_c [M/T] in cells, eta_n [M/T] at corners:
+// so A = E'' is symmetric and positive. Written out, with m = V rho h^2 / dt [M/T] on faces, V the share of a
+// full control volume (1/2 on open boundary faces), eta_c [M/T] in cells, eta_n [M/T] at corners:
 //
 //   (A u)_u = (m + 2 eta_E + 2 eta_W + eta_N + eta_S) u - 2 eta_E u_E - 2 eta_W u_W
 //             - eta_N (u_N + v_NE - v_NW) - eta_S (u_S - v_SE + v_SW),   and the same for v with x and y exchanged.
 //
-// A x = b has the unit of force. Fixed faces (walls) have inverse diagonal 0: they keep the value 0 and residual 0.
-// Halos of eta are 0 and halos of x are 0, except where periodic; corner weights at walls sit in eta_n (SideFaces).
+// A x = b has the unit of force. Fixed faces (walls) have inverse diagonal 0: they keep the value 0 and
+// residual 0. Halos of eta are 0 and halos of x are 0, except where periodic; corner weights at walls sit in
+// eta_n (SideFaces).
 #include <algorithm>
 #include <cmath>
 
@@ -23,10 +24,10 @@ namespace hourglass {
 /// Coefficients of A; T is the precision of the preconditioner. 6 arrays.
 template <class T>
 struct ViscousCoefficients {
-  CellFieldOf<T> eta_c;          ///< [M/T]
-  CornerFieldOf<T> eta_n;        ///< weighted at boundaries [M/T]
-  VelocityOf<T> mass;            ///< m [M/T]
-  VelocityOf<T> inverse_diagonal;///< 1/diagonal, 0 on fixed faces [T/M]
+  CellFieldOf<T> eta_c;            ///< [M/T]
+  CornerFieldOf<T> eta_n;          ///< weighted at boundaries [M/T]
+  VelocityOf<T> mass;              ///< m [M/T]
+  VelocityOf<T> inverse_diagonal;  ///< 1/diagonal, 0 on fixed faces [T/M]
 
   ViscousCoefficients() = default;
   explicit ViscousCoefficients(const Patch& p) : eta_c(p), eta_n(p), mass(p), inverse_diagonal(p) {}
@@ -35,9 +36,9 @@ struct ViscousCoefficients {
   }
 };
 
-/// Row j of the u-equations: the stencil, written once. X is the precision of the unknown. Differences are taken
-/// before eta multiplies them: in float, eta U - eta U would leave a force of 1e-7 eta U on a body that moves as a
-/// whole, more than what holds it where eta is large.
+/// Row j of the u-equations: the stencil, written once. X is the precision of the unknown. Differences are
+/// taken before eta multiplies them: in float, eta U - eta U would leave a force of 1e-7 eta U on a body that
+/// moves as a whole, more than what holds it where eta is large.
 template <class T, class X>
 struct URow {
   const T *ec, *nn, *ns;
@@ -132,12 +133,14 @@ void apply_viscous_row(const ViscousCoefficients<T>& a, const VelocityOf<X>& x, 
   map_viscous_row(a, x, k, out, [](int, X ax) { return ax; });
 }
 template <class T, class X>
-void residual_viscous_row(const ViscousCoefficients<T>& a, const VelocityOf<X>& x, const VelocityOf<X>& b, int k, X* out) {
+void residual_viscous_row(const ViscousCoefficients<T>& a, const VelocityOf<X>& x, const VelocityOf<X>& b,
+                          int k, X* out) {
   const X* rhs = row_of(b, k).data;
   map_viscous_row(a, x, k, out, [rhs](int i, X ax) { return rhs[i] - ax; });
 }
 
-/// inverse_diagonal from the other coefficients; fixed faces by the boundary. Rows of this member; sync after.
+/// inverse_diagonal from the other coefficients; fixed faces by the boundary. Rows of this member; sync
+/// after.
 template <class T>
 void fill_inverse_diagonal(Team& team, const Boundary& boundary, ViscousCoefficients<T>& a) {
   const int nx = a.eta_c.nx(), ny = a.eta_c.ny();
@@ -151,7 +154,8 @@ void fill_inverse_diagonal(Team& team, const Boundary& boundary, ViscousCoeffici
 #pragma omp simd
       for (int i = 0; i <= nx; ++i) inv[i] = T(1) / (m[i] + T(2) * (ec[i] + ec[i - 1]) + (nn[i] + ns[i]));
       if (!boundary.periodic_x && !Boundary::unknown(boundary.left.open[j])) inv[0] = 0;
-      if (boundary.periodic_x || !Boundary::unknown(boundary.right.open[j])) inv[nx] = 0;  // periodic: the same as face 0
+      if (boundary.periodic_x || !Boundary::unknown(boundary.right.open[j]))
+        inv[nx] = 0;  // periodic: the same as face 0
     }
     const T *en = a.eta_c.row(j), *es = a.eta_c.row(j - 1);
     const T* nc = a.eta_n.row(j);
@@ -167,12 +171,14 @@ void fill_inverse_diagonal(Team& team, const Boundary& boundary, ViscousCoeffici
   }
 }
 
-/// Coefficients of the next coarser level by full weighting with the weights of P: 1-3-3-1 across (eta_c in both
-/// directions), 1-2-1 along. Means over all that P reaches bound the Galerkin operator from above to within 4/3,
-/// so the coarse correction never overshoots (numerics 1.3); a mean of 4 for eta_c does, by the contrast / 300.
-/// in: fine, halo 1; out: coarse, but for its halo and inverse diagonal. Rows of this member; sync before and after.
+/// Coefficients of the next coarser level by full weighting with the weights of P: 1-3-3-1 across (eta_c in
+/// both directions), 1-2-1 along. Means over all that P reaches bound the Galerkin operator from above to
+/// within 4/3, so the coarse correction never overshoots (numerics 1.3); a mean of 4 for eta_c does, by the
+/// contrast / 300. in: fine, halo 1; out: coarse, but for its halo and inverse diagonal. Rows of this member;
+/// sync before and after.
 template <class T>
-void coarsen_viscous(Team& team, const ViscousCoefficients<T>& fine, bool periodic_x, ViscousCoefficients<T>& coarse) {
+void coarsen_viscous(Team& team, const ViscousCoefficients<T>& fine, bool periodic_x,
+                     ViscousCoefficients<T>& coarse) {
   const int nx = coarse.eta_c.nx(), ny = coarse.eta_c.ny();
   const Rows rows = team.rows(ny + 1);
   // First combine fine rows into one line, then its points into coarse ones.
@@ -226,7 +232,8 @@ void coarsen_viscous(Team& team, const ViscousCoefficients<T>& fine, bool period
     extend_faces(line);
     T* __restrict out = coarse.eta_n.row(j);
 #pragma omp simd
-    for (int i = 0; i <= nx; ++i) out[i] = T(0.25) * (T(2) * line[2 * i] + (line[2 * i - 1] + line[2 * i + 1]));
+    for (int i = 0; i <= nx; ++i)
+      out[i] = T(0.25) * (T(2) * line[2 * i] + (line[2 * i - 1] + line[2 * i + 1]));
     if (!periodic_x) {
       out[0] = line[0];
       out[nx] = line[2 * nx];
@@ -234,10 +241,11 @@ void coarsen_viscous(Team& team, const ViscousCoefficients<T>& fine, bool period
   }
 }
 
-/// coarse = P^T fine, the transpose of prolong_viscous. in: fine residual, 0 on fixed faces, halo 1 (periodic).
-/// Rows of this member; sync before and after.
+/// coarse = P^T fine, the transpose of prolong_viscous. in: fine residual, 0 on fixed faces, halo 1
+/// (periodic). Rows of this member; sync before and after.
 template <class T>
-void restrict_viscous(Team& team, const VelocityOf<T>& fine, const Boundary& coarse_boundary, VelocityOf<T>& coarse) {
+void restrict_viscous(Team& team, const VelocityOf<T>& fine, const Boundary& coarse_boundary,
+                      VelocityOf<T>& coarse) {
   const int nx = coarse.patch().nx, ny = coarse.patch().ny;
   const Rows rows = team.rows(ny + 1);
   const bool periodic = coarse_boundary.periodic_x;
@@ -249,18 +257,21 @@ void restrict_viscous(Team& team, const VelocityOf<T>& fine, const Boundary& coa
       const T *below = floor ? r0 : fine.u.row(2 * j - 1), *above = ceiling ? r1 : fine.u.row(2 * j + 2);
       const T wb = floor ? T(0) : T(0.25), wa = ceiling ? T(0) : T(0.25);
 #pragma omp simd
-      for (int i = -1; i <= 2 * nx + 1; ++i) line[i] = T(0.75) * (r0[i] + r1[i]) + (wb * below[i] + wa * above[i]);
+      for (int i = -1; i <= 2 * nx + 1; ++i)
+        line[i] = T(0.75) * (r0[i] + r1[i]) + (wb * below[i] + wa * above[i]);
       T* __restrict out = coarse.u.row(j);
 #pragma omp simd
       for (int i = 0; i <= nx; ++i) out[i] = line[2 * i] + T(0.5) * (line[2 * i - 1] + line[2 * i + 1]);
       const auto add_ghost = [&](const T* r, const SideFaces& side) {
         for (int i = 0; i <= nx; ++i)
-          out[i] += T(0.25 * ghost_factor(side.shear[i])) * (r[2 * i] + T(0.5) * (r[2 * i - 1] + r[2 * i + 1]));
+          out[i] +=
+              T(0.25 * ghost_factor(side.shear[i])) * (r[2 * i] + T(0.5) * (r[2 * i - 1] + r[2 * i + 1]));
       };
       if (floor) add_ghost(r0, coarse_boundary.bottom);
       if (ceiling) add_ghost(r1, coarse_boundary.top);
     }
-    const T *c = fine.v.row(2 * j), *s = fine.v.row(2 * j - 1), *n = fine.v.row(2 * j + 1);  // beyond the patch: halo, 0
+    const T *c = fine.v.row(2 * j), *s = fine.v.row(2 * j - 1),
+            *n = fine.v.row(2 * j + 1);  // beyond the patch: halo, 0
 #pragma omp simd
     for (int i = 0; i < 2 * nx; ++i) line[i] = c[i] + T(0.5) * (s[i] + n[i]);
     line[-1] = periodic ? line[2 * nx - 1] : T(ghost_factor(coarse_boundary.left.shear[j])) * line[0];
@@ -272,8 +283,9 @@ void restrict_viscous(Team& team, const VelocityOf<T>& fine, const Boundary& coa
   }
 }
 
-/// Row j of fine (u row j and v row j) += P coarse on unknown faces: linear along a component's own direction, (3/4, 1/4) across it
-/// with ghost_factor at boundaries, so that a rigid rotation is reproduced exactly. Halo of fine is wrapped where periodic.
+/// Row j of fine (u row j and v row j) += P coarse on unknown faces: linear along a component's own
+/// direction, (3/4, 1/4) across it with ghost_factor at boundaries, so that a rigid rotation is reproduced
+/// exactly. Halo of fine is wrapped where periodic.
 template <class T>
 void prolong_viscous_row(const VelocityOf<T>& coarse, const Boundary& coarse_boundary,
                          const VelocityOf<T>& fine_inverse_diagonal, VelocityOf<T>& fine, int j) {

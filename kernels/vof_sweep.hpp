@@ -8,9 +8,9 @@
 //
 // Tracers ride on the flux of the grains. Tracer k may fill what the grains and the tracers before it leave,
 // its room, and takes of the flux of its room what a line in the share of the room says: the free surface
-// does not tilt that line. It never carries more than the room does, nor leaves to the others more than they have.
-// A room full of the tracer passes on its flux as it is, so a pure material stays pure, and a tracer equal to
-// the grains moves exactly as the grains do.
+// does not tilt that line. It never carries more than the room does, nor leaves to the others more than they
+// have. A room full of the tracer passes on its flux as it is, so a pure material stays pure, and a tracer
+// equal to the grains moves exactly as the grains do.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>

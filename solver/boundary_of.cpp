@@ -26,7 +26,10 @@ static SideFaces side_of(const Scene& scene, const Patch& patch, Side side) {
     }
   const double on_wall = wall == Wall::no_slip ? 2 : 0;
   const EdgeRule rule = scene.rheology.orifice_edge;
-  const double on_edge = wall != Wall::no_slip ? 0 : rule == EdgeRule::wall ? 2 : rule == EdgeRule::half_wall ? 1 : 0;
+  const double on_edge = wall != Wall::no_slip         ? 0
+                         : rule == EdgeRule::wall      ? 2
+                         : rule == EdgeRule::half_wall ? 1
+                                                       : 0;
   const auto weight = [&](int face) { return faces.open[face] > 0 ? 0.0 : on_wall; };
   faces.shear.resize(n + 1);
   faces.shear[0] = weight(0);
@@ -38,8 +41,9 @@ static SideFaces side_of(const Scene& scene, const Patch& patch, Side side) {
 
 Boundary boundary_of(const Scene& scene) {
   const Patch patch = scene.patch();
-  return {side_of(scene, patch, Side::left), side_of(scene, patch, Side::right), side_of(scene, patch, Side::bottom),
-          side_of(scene, patch, Side::top), scene.wall(Side::left) == Wall::periodic};
+  return {side_of(scene, patch, Side::left), side_of(scene, patch, Side::right),
+          side_of(scene, patch, Side::bottom), side_of(scene, patch, Side::top),
+          scene.wall(Side::left) == Wall::periodic};
 }
 
 }  // namespace hourglass

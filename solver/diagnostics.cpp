@@ -86,16 +86,25 @@ std::string not_finite(const Fields& fields) {
   return {};
 }
 
-std::vector<double> mass_through(const Scene& scene, const Vof& vof, Side side, FaceRange faces, const Patch& patch) {
+std::vector<double> mass_through(const Scene& scene, const Vof& vof, Side side, FaceRange faces,
+                                 const Patch& patch) {
   const double area = patch.h * patch.h;
   std::vector<double> out(scene.materials.size());
   for (std::size_t k = 0; k < out.size(); ++k) {
     double volume = 0;
     for (int f = faces.first; f < faces.last; ++f) switch (side) {
-        case Side::left: volume -= vof.flux_x(static_cast<int>(k))(0, f); break;
-        case Side::right: volume += vof.flux_x(static_cast<int>(k))(patch.nx, f); break;
-        case Side::bottom: volume -= vof.flux_y(static_cast<int>(k))(f, 0); break;
-        case Side::top: volume += vof.flux_y(static_cast<int>(k))(f, patch.ny); break;
+        case Side::left:
+          volume -= vof.flux_x(static_cast<int>(k))(0, f);
+          break;
+        case Side::right:
+          volume += vof.flux_x(static_cast<int>(k))(patch.nx, f);
+          break;
+        case Side::bottom:
+          volume -= vof.flux_y(static_cast<int>(k))(f, 0);
+          break;
+        case Side::top:
+          volume += vof.flux_y(static_cast<int>(k))(f, patch.ny);
+          break;
       }
     out[k] = volume * area;
   }

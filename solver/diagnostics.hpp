@@ -23,7 +23,8 @@ double fastest_grains(const Fields& fields, int threads);
 std::string not_finite(const Fields& fields);
 
 /// Mass that left through a range of boundary faces in the last VOF step, by material, outward positive.
-std::vector<double> mass_through(const Scene& scene, const Vof& vof, Side side, FaceRange faces, const Patch& patch);
+std::vector<double> mass_through(const Scene& scene, const Vof& vof, Side side, FaceRange faces,
+                                 const Patch& patch);
 
 /// Samples of mass over time, and the rate of its loss.
 struct DischargeWindow {
@@ -32,8 +33,8 @@ struct DischargeWindow {
 };
 DischargeWindow discharge(const Scene& scene, const std::vector<std::array<double, 2>>& time_and_mass);
 
-/// Time after which the discharge counts as developed: 2.5 sqrt(W/g), W the widest orifice (numerics P2: about two of
-/// the thesis's time units for its base scene).
+/// Time after which the discharge counts as developed: 2.5 sqrt(W/g), W the widest orifice (numerics P2:
+/// about two of the thesis's time units for its base scene).
 double start_up_time(const Scene& scene);
 
 }  // namespace hourglass

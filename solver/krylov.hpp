@@ -1,7 +1,8 @@
 #pragma once
-// Conjugate gradients in double around one V-cycle: unknown and true residual are double; directions and the recursive
-// residual have the preconditioner's precision (numerics P4: the iteration counts are the same), sums are double. Flexible
-// (Polak-Ribiere, Notay 2000) throughout, because a float V-cycle is never exactly symmetric:
+// Conjugate gradients in double around one V-cycle: unknown and true residual are double; directions and the
+// recursive residual have the preconditioner's precision (numerics P4: the iteration counts are the same),
+// sums are double. Flexible (Polak-Ribiere, Notay 2000) throughout, because a float V-cycle is never exactly
+// symmetric:
 //
 //   z = M r,  beta = -(z, q)/(p, q),  p <- z + beta p,  q = A p,  alpha = (z, r)/(p, q),  x += alpha p,  r -= alpha q.
 #include <cmath>
@@ -32,11 +33,12 @@ class Krylov {
   using Wide = rebind_t<Unknown, double>;
 
   explicit Krylov(const Patch& patch)
-      : p_(patch), q_(patch), sums_{RowSums(row_count(p_)), RowSums(row_count(p_)),
-                                                 RowSums(row_count(p_)), RowSums(row_count(p_)), RowSums(row_count(p_))} {}
+      : p_(patch), q_(patch), sums_{RowSums(row_count(p_)), RowSums(row_count(p_)), RowSums(row_count(p_)),
+                                    RowSums(row_count(p_)), RowSums(row_count(p_))} {}
 
-  /// Solves A x = b to the rule from the guess in x. Coarse levels must be up to date. x: halo 0 or wrapped, 0 on fixed
-  /// points; b is read on unknown points only. Call from every member: each returns the same statistics.
+  /// Solves A x = b to the rule from the guess in x. Coarse levels must be up to date. x: halo 0 or wrapped,
+  /// 0 on fixed points; b is read on unknown points only. Call from every member: each returns the same
+  /// statistics.
   SolveStats solve(Team& team, Multigrid<Level>& multigrid, const Wide& b, Wide& x, const StopRule& rule) {
     Level& level = multigrid.finest();
     SolveStats stats;
@@ -86,8 +88,8 @@ class Krylov {
 
   /// Iterates until the rule holds, or until the recursive residual has dropped as far as it is trusted.
   /// Returns true when nothing is left to do.
-  bool descend(Team& team, Multigrid<Level>& multigrid, Wide& x, const StopRule& rule, double largest, bool first,
-               SolveStats& stats) {
+  bool descend(Team& team, Multigrid<Level>& multigrid, Wide& x, const StopRule& rule, double largest,
+               bool first, SolveStats& stats) {
     Level& level = multigrid.finest();
     const Rows rows = team.rows(row_count(p_));
     double pq = 0, rz_start = 0;

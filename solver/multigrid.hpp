@@ -1,8 +1,8 @@
 #pragma once
-// Multigrid over any operator. A Level offers: Unknown, Number; fields x (correction), b (right-hand side), r (residual);
-// descend(team, sweeps): x = 0, smooth, residual; ascend(team, coarse, sweeps): add the correction, smooth in reversed order;
-// restrict_from(team, fine residual); coarsen(team, fine level); apply_row, wrap and fixed for the coarsest solve. It knows its
-// stencil; this file does not.
+// Multigrid over any operator. A Level offers: Unknown, Number; fields x (correction), b (right-hand side), r
+// (residual); descend(team, sweeps): x = 0, smooth, residual; ascend(team, coarse, sweeps): add the
+// correction, smooth in reversed order; restrict_from(team, fine residual); coarsen(team, fine level);
+// apply_row, wrap and fixed for the coarsest solve. It knows its stencil; this file does not.
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
 #include <vector>
@@ -13,8 +13,8 @@
 
 namespace hourglass {
 
-/// Direct solve on the coarsest level. The matrix is read off the operator by unit vectors; the sparsity is found anew only
-/// when the operator's pattern may have changed, that is never.
+/// Direct solve on the coarsest level. The matrix is read off the operator by unit vectors; the sparsity is
+/// found anew only when the operator's pattern may have changed, that is never.
 template <class Level>
 class CoarsestSolve {
  public:
@@ -37,7 +37,8 @@ class CoarsestSolve {
     x.fill(T(0));
     for (int k = 0; k < rows; ++k)
       for (int i = 0; i < row_of(x, k).n; ++i) {
-        if (level.fixed(k, i)) continue;  // a wall's column would make the matrix unsymmetric, the solve wrong
+        if (level.fixed(k, i))
+          continue;  // a wall's column would make the matrix unsymmetric, the solve wrong
         row_of(x, k).data[i] = T(1);
         level.wrap(x, k);
         const int column = offsets_[k] + i;

@@ -8,7 +8,8 @@ namespace hourglass {
 
 template <class T>
 Projection<T>::Projection(const Patch& patch, const Boundary& boundary)
-    : multigrid_(patch, boundary), krylov_(patch), q_(patch), rhs_(patch), largest_(patch.ny), speed_(patch.ny) {}
+    : multigrid_(patch, boundary), krylov_(patch), q_(patch), rhs_(patch), largest_(patch.ny),
+      speed_(patch.ny) {}
 
 template <class T>
 void Projection<T>::assemble(Team& team, const CellField& density) {
@@ -44,8 +45,8 @@ void Projection<T>::assemble(Team& team, const CellField& density) {
 }
 
 template <class T>
-void Projection<T>::add_gravity_and_pressure(Team& team, const CellField& p, std::array<double, 2> g, double dt,
-                                             Velocity& w) const {
+void Projection<T>::add_gravity_and_pressure(Team& team, const CellField& p, std::array<double, 2> g,
+                                             double dt, Velocity& w) const {
   const auto& beta = const_cast<Multigrid<PoissonLevel<T>>&>(multigrid_).finest().a.beta;
   const double dt_h = dt / p.patch().h;
   const Rows rows = team.rows(row_count(w));
@@ -88,7 +89,8 @@ double Projection<T>::max_divergence(Team& team, const Velocity& w, double dt) {
 }
 
 template <class T>
-SolveStats Projection<T>::solve(Team& team, double dt, double tolerance, int max_iterations, Velocity& w, CellField& p) {
+SolveStats Projection<T>::solve(Team& team, double dt, double tolerance, int max_iterations, Velocity& w,
+                                CellField& p) {
   PoissonLevel<T>& level = multigrid_.finest();
   const Boundary& boundary = level.boundary();
   const double to_div = dt / q_.patch().h;

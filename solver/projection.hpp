@@ -1,6 +1,7 @@
 #pragma once
-// ∇·(β ∇q) = ∇·u**,  u = u** - β ∇q,  p <- p + q h/Δt, with q = Δt δp / h so that β ∇q is a difference of neighbours
-// (Chorin 1968; incremental: Goda 1979). β = 1/ρ on faces at n+1, 2/ρ on open boundary faces, 0 on walls.
+// ∇·(β ∇q) = ∇·u**,  u = u** - β ∇q,  p <- p + q h/Δt, with q = Δt δp / h so that β ∇q is a difference of
+// neighbours (Chorin 1968; incremental: Goda 1979). β = 1/ρ on faces at n+1, 2/ρ on open boundary faces, 0 on
+// walls.
 #include "solver/krylov.hpp"
 #include "solver/levels.hpp"
 
@@ -15,10 +16,11 @@ class Projection {
   void assemble(Team& team, const CellField& density);
 
   /// u* += Δt (g - β ∂p) on unknown faces. in: p halo 0 (wrapped where periodic); inout: w, interior.
-  void add_gravity_and_pressure(Team& team, const CellField& p, std::array<double, 2> gravity, double dt, Velocity& w) const;
+  void add_gravity_and_pressure(Team& team, const CellField& p, std::array<double, 2> gravity, double dt,
+                                Velocity& w) const;
 
-  /// in: w = u**, 0 on walls; out: w solenoidal to max |div w| dt <= tolerance, p updated (halo wrapped where periodic).
-  /// The statistics are in units of div dt.
+  /// in: w = u**, 0 on walls; out: w solenoidal to max |div w| dt <= tolerance, p updated (halo wrapped where
+  /// periodic). The statistics are in units of div dt.
   SolveStats solve(Team& team, double dt, double tolerance, int max_iterations, Velocity& w, CellField& p);
 
   /// max |div w| dt. Every member returns the same.
@@ -27,7 +29,8 @@ class Projection {
   std::size_t bytes() const { return multigrid_.bytes() + krylov_.bytes() + q_.bytes() + rhs_.bytes(); }
 
  private:
-  double measure_divergence(Team& team, const Velocity& w);  ///< rhs_ = -Σ velocities out of a cell; returns max |.|
+  double measure_divergence(Team& team,
+                            const Velocity& w);  ///< rhs_ = -Σ velocities out of a cell; returns max |.|
 
   Multigrid<PoissonLevel<T>> multigrid_;
   Krylov<PoissonLevel<T>> krylov_;

@@ -3,8 +3,8 @@
 namespace hourglass {
 
 RheologyStage::RheologyStage(const Scene& scene, const Patch& patch, const Boundary& boundary)
-    : law_(scene.rheology.law),
-      limits_{scene.rheology.eta_min, scene.rheology.eta_max, scene.air.viscosity, scene.rheology.background_pressure},
+    : law_(scene.rheology.law), limits_{scene.rheology.eta_min, scene.rheology.eta_max, scene.air.viscosity,
+                                        scene.rheology.background_pressure},
       periodic_(boundary.periodic_x), row_counts_(patch.ny) {
   equal_properties_ = true;
   for (const Material& m : scene.materials) {

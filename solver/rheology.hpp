@@ -1,5 +1,6 @@
 #pragma once
-// eta = c eta_grains(|γ̇|, p) + (1 - c) eta_air in cells, with |γ̇|^2 smoothed over rheology.smoothing_length.
+// eta = c eta_grains(|γ̇|, p) + (1 - c) eta_air in cells, with |γ̇|^2 smoothed over
+// rheology.smoothing_length.
 #include <vector>
 
 #include "kernels/rheology.hpp"

@@ -29,7 +29,8 @@ inline constexpr std::array corner_mean_names{"harmonic", "arithmetic"};
 /// (a full wall corner has 2): numerics P2, cases c0, c2, c4.
 enum class EdgeRule { half_wall, free, wall };
 inline constexpr std::array edge_rule_names{"half_wall", "free", "wall"};
-/// Pressure at the start: zero lets an orifice flow at once (numerics P1); hydrostatic holds a closed tank still.
+/// Pressure at the start: zero lets an orifice flow at once (numerics P1); hydrostatic holds a closed tank
+/// still.
 enum class StartPressure { zero, hydrostatic };
 inline constexpr std::array start_pressure_names{"zero", "hydrostatic"};
 /// Precision inside the preconditioner and the Krylov directions; unknowns and residuals are always double.
@@ -38,19 +39,19 @@ inline constexpr std::array precision_names{"mixed", "full"};
 
 struct Material {
   std::string name = "sand";
-  double mu_s = 0.62;       ///< static friction [1] >= 0
-  double delta_mu = 0.48;   ///< mu at I -> infinity less mu_s [1] >= 0
-  double I_0 = 0.6;         ///< [1] > 0
-  double diameter = 1;      ///< grain diameter [L] > 0
-  double density = 1;       ///< bulk density at rest [M/L^2] > 0
-  double viscosity = 0;     ///< only for law newtonian: eta [M/T] > 0
+  double mu_s = 0.62;      ///< static friction [1] >= 0
+  double delta_mu = 0.48;  ///< mu at I -> infinity less mu_s [1] >= 0
+  double I_0 = 0.6;        ///< [1] > 0
+  double diameter = 1;     ///< grain diameter [L] > 0
+  double density = 1;      ///< bulk density at rest [M/L^2] > 0
+  double viscosity = 0;    ///< only for law newtonian: eta [M/T] > 0
   bool operator==(const Material&) const = default;
 };
 
 /// A box or a polygon painted with a material; later ones paint over earlier ones.
 struct Fill {
-  int material = 0;                          ///< index into Scene::materials; -1 paints air
-  std::vector<std::array<double, 2>> points; ///< corners in order [L]; convex
+  int material = 0;                           ///< index into Scene::materials; -1 paints air
+  std::vector<std::array<double, 2>> points;  ///< corners in order [L]; convex
   bool operator==(const Fill&) const = default;
 };
 
@@ -62,16 +63,16 @@ struct Orifice {
 };
 
 struct Air {
-  double density = 1e-3;       ///< [M/L^2] > 0
-  double viscosity = 0.0164;   ///< eta [M/T] > 0
+  double density = 1e-3;      ///< [M/L^2] > 0
+  double viscosity = 0.0164;  ///< eta [M/T] > 0
   bool operator==(const Air&) const = default;
 };
 
 struct Rheology {
   Law law = Law::mu_I;
-  double eta_min = 1;              ///< floor of the grains' viscosity [M/T]; rho d sqrt(g d)
-  double eta_max = 1.643e6;        ///< cap, taken at rest [M/T]
-  double smoothing_length = 0.5;    ///< the shear rate is smoothed over this [L]; 0: not at all
+  double eta_min = 1;             ///< floor of the grains' viscosity [M/T]; rho d sqrt(g d)
+  double eta_max = 1.643e6;       ///< cap, taken at rest [M/T]
+  double smoothing_length = 0.5;  ///< the shear rate is smoothed over this [L]; 0: not at all
   CornerMean corner_mean = CornerMean::harmonic;
   EdgeRule orifice_edge = EdgeRule::half_wall;
   double background_pressure = 0;  ///< added to p in mu(I) and I [M/T^2]; for verification flows
@@ -79,10 +80,10 @@ struct Rheology {
 };
 
 struct TimeControl {
-  double end = 0;         ///< [T]; 0: no limit by time
-  double cfl = 0.5;       ///< max |u| dt / h near grains, in (0, 0.5]
-  double dt_max = 0.0548; ///< [T] > 0
-  long max_steps = 0;     ///< 0: no limit by steps
+  double end = 0;          ///< [T]; 0: no limit by time
+  double cfl = 0.5;        ///< max |u| dt / h near grains, in (0, 0.5]
+  double dt_max = 0.0548;  ///< [T] > 0
+  long max_steps = 0;      ///< 0: no limit by steps
   bool operator==(const TimeControl&) const = default;
 };
 
@@ -102,9 +103,9 @@ struct Accuracy {
 };
 
 struct Output {
-  double series_every = 0.27;    ///< [T]
-  double fields_every = 5.48;    ///< [T]; 0: none
-  double snapshots_every = 5.48; ///< [T]; 0: none
+  double series_every = 0.27;     ///< [T]
+  double fields_every = 5.48;     ///< [T]; 0: none
+  double snapshots_every = 5.48;  ///< [T]; 0: none
   std::vector<std::string> fields{"speed", "pressure", "tracer"};
   bool operator==(const Output&) const = default;
 };
@@ -112,8 +113,8 @@ struct Output {
 struct Scene {
   std::string name = "silo";
   Units units = Units::grain;
-  double width = 150, height = 150;  ///< [L]
-  int cells_x = 128;                 ///< square cells: cells_y = cells_x height / width
+  double width = 150, height = 150;      ///< [L]
+  int cells_x = 128;                     ///< square cells: cells_y = cells_x height / width
   std::array<double, 2> gravity{0, -1};  ///< [L/T^2]
   Air air;
   std::vector<Material> materials{Material{}};
@@ -143,9 +144,9 @@ struct Scales {
 };
 Scales scales(const Scene& scene);
 
-/// The inertial numbers [low, high] between which the mu(I) equations of a material are well posed; nullopt if
-/// there are none. Barker, Schaeffer, Bohorquez & Gray 2015, JFM 779:794:
-/// C = 4 nu^2 - 4 nu + mu^2 (1 - nu/2)^2 <= 0 with nu = I mu'(I) / mu.
+/// The inertial numbers [low, high] between which the mu(I) equations of a material are well posed; nullopt
+/// if there are none. Barker, Schaeffer, Bohorquez & Gray 2015, JFM 779:794: C = 4 nu^2 - 4 nu + mu^2 (1 -
+/// nu/2)^2 <= 0 with nu = I mu'(I) / mu.
 std::optional<std::array<double, 2>> well_posed_range(const Material& material);
 
 /// A thing wrong with a scene: the dotted path of the key, what is wrong with allowed range and cure.

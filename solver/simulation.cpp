@@ -18,10 +18,14 @@ namespace hourglass {
 
 const char* name_of(Status status) {
   switch (status) {
-    case Status::finished: return "finished";
-    case Status::stopped: return "stopped";
-    case Status::diverged: return "diverged";
-    case Status::interrupted: return "interrupted";
+    case Status::finished:
+      return "finished";
+    case Status::stopped:
+      return "stopped";
+    case Status::diverged:
+      return "diverged";
+    case Status::interrupted:
+      return "interrupted";
   }
   return "";
 }
@@ -32,8 +36,8 @@ struct Simulation::Impl {
   explicit Impl(const Scene& s)
       : scene(s), boundary(boundary_of(scene)), threads(threads_of(scene)),
         fields(scene.patch(), static_cast<int>(scene.materials.size())),
-        stepper(make_stepper(scene, boundary, threads)), governor(threads), orifice_mass(scene.orifices.size()),
-        orifice_material(scene.materials.size()) {}
+        stepper(make_stepper(scene, boundary, threads)), governor(threads),
+        orifice_mass(scene.orifices.size()), orifice_material(scene.materials.size()) {}
 
   Scene scene;
   Boundary boundary;
@@ -60,8 +64,8 @@ void Simulation::Impl::fill() {
     const Polygon polygon(f.points.begin(), f.points.end());
     for (int j = 0; j < patch.ny; ++j)
       for (int i = 0; i < patch.nx; ++i) {
-        const double share = covered_fraction(polygon, patch.x_corner(i), patch.y_corner(j), patch.x_corner(i + 1),
-                                              patch.y_corner(j + 1));
+        const double share = covered_fraction(polygon, patch.x_corner(i), patch.y_corner(j),
+                                              patch.x_corner(i + 1), patch.y_corner(j + 1));
         if (share <= 0) continue;
         const auto paint = [&](CellField& c, bool covered) {
           c(i, j) = share >= 1 ? (covered ? 1.0 : 0.0) : c(i, j) * (1 - share) + (covered ? share : 0.0);
@@ -175,13 +179,16 @@ namespace {
 
 /// What a solve's missed tolerance says.
 std::string missed(const char* name, const SolveStats& s, const StepReport& report) {
-  return fmt::format("the {} solve missed its tolerance at t = {:.6g} (step {}): {:.3g} instead of {:.3g} after {} "
-                     "iterations, worst at cell ({}, {})",
-                     name, report.t, report.step, s.final, s.tolerance, s.iterations, s.worst_i, s.worst_j);
+  return fmt::format(
+      "the {} solve missed its tolerance at t = {:.6g} (step {}): {:.3g} instead of {:.3g} after {} "
+      "iterations, worst at cell ({}, {})",
+      name, report.t, report.step, s.final, s.tolerance, s.iterations, s.worst_i, s.worst_j);
 }
 
 /// Hopeless: not a number, or so far off that going on would be a silent wrong answer.
-bool failed(const SolveStats& s) { return !std::isfinite(s.final) || (!s.converged && s.final > 1e3 * s.tolerance); }
+bool failed(const SolveStats& s) {
+  return !std::isfinite(s.final) || (!s.converged && s.final > 1e3 * s.tolerance);
+}
 
 /// Times at which something is due: every `interval` from 0 on.
 class Cadence {
@@ -214,7 +221,8 @@ Summary Simulation::run(const std::vector<Observer*>& observers) {
     tell([&](Observer& o) { o.on_warning(text); });
   };
 
-  Cadence series(scene.output.series_every), frames(scene.output.fields_every), pictures(scene.output.snapshots_every);
+  Cadence series(scene.output.series_every), frames(scene.output.fields_every),
+      pictures(scene.output.snapshots_every);
   const double initial_mass = grain_mass();
   std::vector<std::array<double, 2>> mass_over_time{{s.t, initial_mass}};
   std::vector<std::array<double, 2>> static_over_time;
@@ -280,7 +288,8 @@ Summary Simulation::run(const std::vector<Observer*>& observers) {
 
     summary.worst_max_divergence = std::max(summary.worst_max_divergence, report.max_divergence);
     bool missed_now = false;
-    for (const auto& [name, stats] : {std::pair{"pressure", &report.pressure}, {"viscous", &report.viscous}}) {
+    for (const auto& [name, stats] :
+         {std::pair{"pressure", &report.pressure}, {"viscous", &report.viscous}}) {
       if (stats->converged) continue;
       missed_now = true;
       ++summary.missed_tolerances;
@@ -293,7 +302,8 @@ Summary Simulation::run(const std::vector<Observer*>& observers) {
     misses_in_a_row = missed_now ? misses_in_a_row + 1 : 0;
     if (misses_in_a_row >= 20 && summary.status != Status::diverged) {
       summary.status = Status::diverged;
-      summary.reason = "a solve missed its tolerance in 20 steps in a row; the last: " + summary.warnings.back();
+      summary.reason =
+          "a solve missed its tolerance in 20 steps in a row; the last: " + summary.warnings.back();
     }
     if (summary.status == Status::diverged) break;
 
@@ -307,11 +317,14 @@ Summary Simulation::run(const std::vector<Observer*>& observers) {
       for (std::size_t o = 0; o < scene.orifices.size(); ++o) {
         const Orifice& orifice = scene.orifices[o];
         const double g = std::hypot(scene.gravity[0], scene.gravity[1]);
-        const double free_flow = scene.materials[0].density * std::sqrt(g) * std::pow(orifice.width, 1.5) * s.t;
+        const double free_flow =
+            scene.materials[0].density * std::sqrt(g) * std::pow(orifice.width, 1.5) * s.t;
         if (s.orifice_mass[o] < 1e-3 * free_flow)
-          warn(fmt::format("orifice {} is open but does not flow: {:.3g} left in the first {:.3g}; an orifice of this width "
-                           "would let out about {:.3g} (jammed, or no grains above it)",
-                           o, s.orifice_mass[o], s.t, free_flow));
+          warn(
+              fmt::format("orifice {} is open but does not flow: {:.3g} left in the first {:.3g}; an orifice "
+                          "of this width "
+                          "would let out about {:.3g} (jammed, or no grains above it)",
+                          o, s.orifice_mass[o], s.t, free_flow));
       }
     }
     if (scene.stop.mass_below && mass < *scene.stop.mass_below * initial_mass) {
@@ -362,7 +375,8 @@ Summary Simulation::run(const std::vector<Observer*>& observers) {
   for (const Orifice& o : scene.orifices) width += o.width;
   const double g = std::hypot(scene.gravity[0], scene.gravity[1]);
   if (width > 0 && g > 0)
-    summary.discharge_constant = window.rate / (scene.materials[0].density * std::sqrt(g) * std::pow(width, 1.5));
+    summary.discharge_constant =
+        window.rate / (scene.materials[0].density * std::sqrt(g) * std::pow(width, 1.5));
   double share = 0, rows = 0;
   for (const auto& [time, fraction] : static_over_time)
     if (time >= window.from && time <= window.to) {
@@ -372,7 +386,8 @@ Summary Simulation::run(const std::vector<Observer*>& observers) {
   summary.quasi_static_fraction = rows > 0 ? share / rows : quasi_static_fraction();
   for (double m : s.orifice_mass) through_orifices += m;
   if (initial_mass > 0)
-    summary.mass_error = std::abs((initial_mass - grain_mass()) - (through_orifices + s.other_mass)) / initial_mass;
+    summary.mass_error =
+        std::abs((initial_mass - grain_mass()) - (through_orifices + s.other_mass)) / initial_mass;
   summary.steps = s.steps;
   summary.wall_seconds = stepping;
   if (stepping > 0) summary.cell_steps_per_second = static_cast<double>(s.steps) * summary.cells / stepping;
@@ -429,7 +444,8 @@ CellField Simulation::derived(const std::string& name) const {
   } else if (name == "inertial_number") {
     const Grain grain = impl_->stepper->rheology().grain(0);
     each([&](int i, int j) {
-      return f.grains(i, j) > 0.5 && f.p(i, j) > 0 ? inertial_number(shear_rate(i, j), f.p(i, j), grain) : 0.0;
+      return f.grains(i, j) > 0.5 && f.p(i, j) > 0 ? inertial_number(shear_rate(i, j), f.p(i, j), grain)
+                                                   : 0.0;
     });
   } else {
     throw std::invalid_argument("no field is called " + name);

@@ -28,8 +28,8 @@ struct StepReport {
 /// A row of series.csv.
 struct SeriesRow {
   StepReport step;
-  double mass = 0;                       ///< grains in the domain [M per unit depth]
-  double outflow = 0;                    ///< flux of grains through all orifices [M/T], mean since the last row
+  double mass = 0;     ///< grains in the domain [M per unit depth]
+  double outflow = 0;  ///< flux of grains through all orifices [M/T], mean since the last row
   std::vector<double> orifice_outflow;   ///< the same by orifice
   std::vector<double> material_mass;     ///< by material [M]
   std::vector<double> material_outflow;  ///< through all orifices, by material [M/T]
@@ -45,19 +45,19 @@ const char* name_of(Status status);
 struct Summary {
   Status status = Status::finished;
   std::string reason;
-  double discharge_rate = 0;         ///< least-squares slope of mass over time, start-up left out [M/T]
-  double discharge_constant = 0;     ///< discharge_rate / (rho sqrt(g) W^1.5), W the sum of widths
+  double discharge_rate = 0;            ///< least-squares slope of mass over time, start-up left out [M/T]
+  double discharge_constant = 0;        ///< discharge_rate / (rho sqrt(g) W^1.5), W the sum of widths
   double discharge_window[2] = {0, 0};  ///< the times that the slope was taken over [T]
-  double quasi_static_fraction = 0;  ///< at the end of that window
-  double mass_error = 0;             ///< |grain loss - integrated outflow| / initial mass
+  double quasi_static_fraction = 0;     ///< at the end of that window
+  double mass_error = 0;                ///< |grain loss - integrated outflow| / initial mass
   double worst_max_divergence = 0;
   long missed_tolerances = 0;
   long steps = 0, cells = 0;
-  double wall_seconds = 0;           ///< stepping only
+  double wall_seconds = 0;  ///< stepping only
   double cell_steps_per_second = 0;
   int threads = 1;
   std::vector<std::pair<std::string, double>> stages;  ///< seconds by stage
-  std::vector<std::string> warnings;                   ///< guards that spoke, e.g. an open orifice that does not flow
+  std::vector<std::string> warnings;  ///< guards that spoke, e.g. an open orifice that does not flow
 };
 
 /// Told of what happens; io's writers are observers. `t` of the simulation is the time of what is shown.
@@ -94,8 +94,8 @@ class Simulation {
   double quasi_static_fraction() const;
   /// Grains through each orifice since the start, outward positive, integrated at the faces [M].
   const std::vector<double>& orifice_mass() const;
-  /// Derived cell fields by the names of `output.fields`: speed, velocity_x, velocity_y, pressure, grains, tracer,
-  /// viscosity, shear_rate, inertial_number. Unknown name: std::invalid_argument.
+  /// Derived cell fields by the names of `output.fields`: speed, velocity_x, velocity_y, pressure, grains,
+  /// tracer, viscosity, shear_rate, inertial_number. Unknown name: std::invalid_argument.
   CellField derived(const std::string& name) const;
   std::vector<std::pair<std::string, std::size_t>> memory() const;  ///< bytes by array group
 
@@ -113,7 +113,7 @@ struct FieldInfo {
   const char* name;
   const char* dimension;  ///< of "L", "T", "M": e.g. "L/T"
   const char* label;
-  bool logarithmic;       ///< pictures use a log colour scale
+  bool logarithmic;  ///< pictures use a log colour scale
 };
 const std::vector<FieldInfo>& known_fields();
 

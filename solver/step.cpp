@@ -95,7 +95,8 @@ class StepperOf final : public Stepper {
     // rho = air + grains c + Σ excess_k f_k, and so for the fluxes.
     parallel(threads_, [&](Team& team) {
       const Rows rows = team.rows(ny + 1);
-      const auto mix = [&](int n, double* out, const double* volume, double scale, const double* c, auto tracer_row) {
+      const auto mix = [&](int n, double* out, const double* volume, double scale, const double* c,
+                           auto tracer_row) {
 #pragma omp simd
         for (int i = 0; i < n; ++i) out[i] = air * (volume ? volume[i] * scale : 1.0) + grains * c[i];
         for (int k = 0; k < tracers; ++k)
@@ -106,7 +107,8 @@ class StepperOf final : public Stepper {
       };
       for (int j = rows.begin; j < rows.end; ++j) {
         if (j < ny) {
-          mix(nx, mass_.density.row(j), nullptr, 1, fields.grains.row(j), [&](int k) { return fields.tracers[k].row(j); });
+          mix(nx, mass_.density.row(j), nullptr, 1, fields.grains.row(j),
+              [&](int k) { return fields.tracers[k].row(j); });
           if (dt > 0)
             mix(nx + 1, mass_.x.row(j), fields.u.row(j), dt_h, vof_.flux_x(0).row(j),
                 [&](int k) { return vof_.flux_x(k + 1).row(j); });
@@ -154,7 +156,8 @@ class StepperOf final : public Stepper {
           const double share = j == 0 || j == ny ? 0.5 : 1.0;
           const double *below = mass_.density.row(j - 1), *above = mass_.density.row(j);
 #pragma omp simd
-          for (int i = 0; i < nx; ++i) out.data[i] = old[i] - 2 * advected[i] / (share * (below[i] + above[i]));
+          for (int i = 0; i < nx; ++i)
+            out.data[i] = old[i] - 2 * advected[i] / (share * (below[i] + above[i]));
         }
       }
       team.sync();
@@ -219,7 +222,8 @@ class StepperOf final : public Stepper {
 }  // namespace
 
 std::unique_ptr<Stepper> make_stepper(const Scene& scene, const Boundary& boundary, int threads) {
-  if (scene.accuracy.precision == Precision::full) return std::make_unique<StepperOf<double>>(scene, boundary, threads);
+  if (scene.accuracy.precision == Precision::full)
+    return std::make_unique<StepperOf<double>>(scene, boundary, threads);
   return std::make_unique<StepperOf<float>>(scene, boundary, threads);
 }
 

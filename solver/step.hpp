@@ -19,7 +19,8 @@ class Stepper {
   /// Threads of the stages from now on; the results are the same for any number.
   virtual void set_threads(int threads) = 0;
 
-  /// Advances fields by dt. in: fields with velocity halos; out: the same at n+1. Fills the solver part of the report.
+  /// Advances fields by dt. in: fields with velocity halos; out: the same at n+1. Fills the solver part of
+  /// the report.
   virtual void step(Fields& fields, double dt, bool x_first, Timers& timers, StepReport& report) = 0;
   /// Pressure that holds the present densities still against gravity, where walls allow it.
   virtual void hydrostatic(Fields& fields) = 0;

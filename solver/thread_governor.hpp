@@ -1,7 +1,7 @@
 #pragma once
-// How many threads the next step runs on. Results do not depend on it (kernels/team.hpp), so it may change from step to
-// step: on a shared machine a neighbour that takes a core makes every barrier wait for a time slice, and one thread is
-// then many times faster than two.
+// How many threads the next step runs on. Results do not depend on it (kernels/team.hpp), so it may change
+// from step to step: on a shared machine a neighbour that takes a core makes every barrier wait for a time
+// slice, and one thread is then many times faster than two.
 #include <algorithm>
 
 namespace hourglass {
@@ -10,8 +10,8 @@ class ThreadGovernor {
  public:
   explicit ThreadGovernor(int threads) : most_(threads) {}
 
-  /// Threads for the next step: all or one, whichever was faster lately. The other is tried for two steps now and then,
-  /// more seldom each time that it loses again.
+  /// Threads for the next step: all or one, whichever was faster lately. The other is tried for two steps now
+  /// and then, more seldom each time that it loses again.
   int next() {
     if (most_ <= 1) return 1;
     if (trials_ == 0 && rest_-- <= 0) {
@@ -42,8 +42,8 @@ class ThreadGovernor {
   int favourite() const { return one_ != never && (all_ == never || one_ < all_) ? 1 : most_; }
 
   int most_, running_ = 1;
-  int trying_ = 1, trials_ = 0;    // the other choice, and steps left of its trial
-  int rest_ = 6, pause_ = 30;      // steps to the next trial, and from it to the one after
+  int trying_ = 1, trials_ = 0;       // the other choice, and steps left of its trial
+  int rest_ = 6, pause_ = 30;         // steps to the next trial, and from it to the one after
   double one_ = never, all_ = never;  // seconds per unit of work
 };
 

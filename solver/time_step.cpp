@@ -8,11 +8,16 @@ namespace hourglass {
 
 const char* name_of(DtLimit limit) {
   switch (limit) {
-    case DtLimit::dt_max: return "dt_max";
-    case DtLimit::cfl: return "cfl";
-    case DtLimit::cfl_air: return "cfl_air";
-    case DtLimit::growth: return "growth";
-    case DtLimit::end: return "end";
+    case DtLimit::dt_max:
+      return "dt_max";
+    case DtLimit::cfl:
+      return "cfl";
+    case DtLimit::cfl_air:
+      return "cfl_air";
+    case DtLimit::growth:
+      return "growth";
+    case DtLimit::end:
+      return "end";
   }
   return "";
 }
@@ -27,10 +32,12 @@ FastestCells fastest_cells(const Fields& fields, int threads) {
     in_air.resize(nx);
     for (int j = rows.begin; j < rows.end; ++j) {
       const double *u = fields.u.row(j), *vs = fields.v.row(j), *vn = fields.v.row(j + 1);
-      const double *c = fields.grains.row(j), *below = fields.grains.row(j - 1), *above = fields.grains.row(j + 1);
+      const double *c = fields.grains.row(j), *below = fields.grains.row(j - 1),
+                   *above = fields.grains.row(j + 1);
 #pragma omp simd
       for (int i = 0; i < nx; ++i) {
-        const double speed = std::max(std::abs(u[i]), std::abs(u[i + 1])) + std::max(std::abs(vs[i]), std::abs(vn[i]));
+        const double speed =
+            std::max(std::abs(u[i]), std::abs(u[i + 1])) + std::max(std::abs(vs[i]), std::abs(vn[i]));
         const double any = (c[i - 1] + c[i] + c[i + 1]) + (below[i] + above[i]);
         by_grains[i] = any > 0 ? speed : 0.0;
         in_air[i] = any > 0 ? 0.0 : speed;
@@ -42,7 +49,8 @@ FastestCells fastest_cells(const Fields& fields, int threads) {
   return {near.max(), air.max()};
 }
 
-TimeStep choose_time_step(const Scene& scene, const FastestCells& fastest, double h, double dt_before, double t_left) {
+TimeStep choose_time_step(const Scene& scene, const FastestCells& fastest, double h, double dt_before,
+                          double t_left) {
   TimeStep best{scene.time.dt_max, DtLimit::dt_max};
   const auto limit = [&](double dt, DtLimit by) {
     if (dt < best.dt) best = {dt, by};

@@ -5,7 +5,8 @@
 namespace hourglass {
 
 template <class T>
-void ViscousSolve<T>::assemble(Team& team, const CellField& eta, bool harmonic, const CellField& density, double dt) {
+void ViscousSolve<T>::assemble(Team& team, const CellField& eta, bool harmonic, const CellField& density,
+                               double dt) {
   ViscousLevel<T>& level = multigrid_.finest();
   auto& a = level.a;
   const int nx = eta.nx(), ny = eta.ny();
@@ -42,8 +43,8 @@ void ViscousSolve<T>::assemble(Team& team, const CellField& eta, bool harmonic, 
 }
 
 template <class T>
-SolveStats ViscousSolve<T>::solve(Team& team, Velocity& star, Velocity& x, double tolerance, double gravity_speed,
-                                  int max_iterations) {
+SolveStats ViscousSolve<T>::solve(Team& team, Velocity& star, Velocity& x, double tolerance,
+                                  double gravity_speed, int max_iterations) {
   ViscousLevel<T>& level = multigrid_.finest();
   const int n = row_count(x);
   if (team.leads()) energy_ = RowSums(n);

@@ -20,7 +20,8 @@ class Vof {
 
   /// Moves fields.grains and fields.tracers by u and v over dt [T], x sweep first or y sweep first (alternate
   /// for second order). Needs (|u| + |v|) dt < h / 2 to keep the shares in [0, 1] by itself; what lies
-  /// outside all the same is put back beside (clipped()). Leaves in the halo of the shares their linear continuation.
+  /// outside all the same is put back beside (clipped()). Leaves in the halo of the shares their linear
+  /// continuation.
   void advect(Fields& fields, double dt, bool x_first, int threads);
 
   /// Volume carried through the faces in the last step, boundary faces included, positive to +x and +y
