@@ -1,0 +1,268 @@
+// From start to end: step, watch, tell the observers, stop, sum up.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "solver/diagnostics.hpp"
+#include "solver/simulation_state.hpp"
+
+namespace hourglass {
+
+const char* name_of(Status status) {
+  switch (status) {
+    case Status::finished:
+      return "finished";
+    case Status::stopped:
+      return "stopped";
+    case Status::diverged:
+      return "diverged";
+    case Status::interrupted:
+      return "interrupted";
+  }
+  return "";
+}
+
+namespace {
+
+/// Times at which something is due: every `interval` from 0 on; never for 0.
+class Cadence {
+ public:
+  explicit Cadence(double interval) : interval_(interval) {}
+  bool due(double t) {
+    if (interval_ <= 0 || t < next_ * (1 - 1e-12)) return false;
+    while (next_ <= t * (1 + 1e-12)) next_ = interval_ * ++count_;
+    last_ = t;
+    return true;
+  }
+  /// Whether the end of the run at t still has to be shown.
+  bool owes(double t) const { return interval_ > 0 && last_ < t; }
+
+ private:
+  double interval_, next_ = 0, last_ = -1;
+  long count_ = 0;
+};
+
+/// What a solve's missed tolerance says.
+std::string missed(const char* name, const SolveStats& s, const StepReport& report) {
+  return fmt::format(
+      "the {} solve missed its tolerance at t = {:.6g} (step {}): {:.3g} instead of {:.3g} after {} "
+      "iterations, "
+      "worst at cell ({}, {})",
+      name, report.t, report.step, s.final, s.tolerance, s.iterations, s.worst_i, s.worst_j);
+}
+
+/// Hopeless: not a number, or so far off that going on would be a silent wrong answer.
+bool hopeless(const SolveStats& s) {
+  return !std::isfinite(s.final) || (!s.converged && s.final > 1e3 * s.tolerance);
+}
+
+class Run {
+ public:
+  Run(Simulation& simulation, Simulation::Impl& state, const std::vector<Observer*>& observers)
+      : simulation_(simulation), s_(state), scene_(state.scene), observers_(observers),
+        series_(scene_.output.series_every), frames_(scene_.output.fields_every),
+        pictures_(scene_.output.snapshots_every), initial_mass_(simulation.grain_mass()),
+        mass_(initial_mass_), settle_(start_up_time(scene_)) {
+    mass_over_time_.push_back({s_.t, mass_});
+  }
+
+  Summary to_end() {
+    StepReport report;
+    report.t = s_.t;
+    tell(report);
+    while (!finished()) {
+      const auto start = Clock::now();
+      try {
+        report = simulation_.step(scene_.time.end > 0 ? scene_.time.end : 1e300);
+      } catch (const std::runtime_error& error) {
+        end(Status::diverged, error.what());
+        break;
+      }
+      stepping_ += seconds_since(start);
+      const auto after = Clock::now();
+      watch_solves(report);
+      if (ended_ && summary_.status == Status::diverged) break;
+      mass_ = simulation_.grain_mass();
+      mass_over_time_.push_back({s_.t, mass_});
+      watch_orifices();
+      tell(report);
+      watch_stops();
+      for (Observer* o : observers_) {
+        o->on_step(report, fraction_done());
+        if (const std::string reason = o->interrupt(); !reason.empty()) end(Status::interrupted, reason);
+      }
+      outside_ += seconds_since(after);
+    }
+    if (summary_.status != Status::diverged || not_finite(s_.fields).empty()) tell_end(report);
+    return summarise();
+  }
+
+ private:
+  void end(Status status, const std::string& reason) {
+    ended_ = true;
+    summary_.status = status;
+    summary_.reason = reason;
+  }
+  bool finished() {
+    if (ended_) return true;
+    if (scene_.time.end > 0 && s_.t >= scene_.time.end) end(Status::finished, "reached time.end");
+    if (scene_.time.max_steps > 0 && s_.steps >= scene_.time.max_steps)
+      end(Status::finished, "reached time.max_steps");
+    return ended_;
+  }
+  void warn(const std::string& text) {
+    summary_.warnings.push_back(text);
+    for (Observer* o : observers_) o->on_warning(text);
+  }
+
+  /// A missed tolerance is reported, never swallowed; many, or a large one, end the run.
+  void watch_solves(const StepReport& report) {
+    summary_.worst_max_divergence = std::max(summary_.worst_max_divergence, report.max_divergence);
+    bool missed_now = false;
+    for (const auto& [name, stats] :
+         {std::pair{"pressure", &report.pressure}, {"viscous", &report.viscous}}) {
+      if (stats->converged && std::isfinite(stats->final)) continue;
+      missed_now = true;
+      const std::string text = missed(name, *stats, report);
+      if (++summary_.missed_tolerances <= 20) warn(text);
+      if (hopeless(*stats)) end(Status::diverged, text);
+      if (misses_in_a_row_ >= 20)
+        end(Status::diverged, "20 steps in a row missed a tolerance; the last: " + text);
+    }
+    misses_in_a_row_ = missed_now ? misses_in_a_row_ + 1 : 0;
+  }
+
+  /// Says once, when the flow should have developed, which open orifice does not flow.
+  void watch_orifices() {
+    if (watched_orifices_ || settle_ <= 0 || s_.t <= settle_) return;
+    watched_orifices_ = true;
+    const double g = std::hypot(scene_.gravity[0], scene_.gravity[1]);
+    for (std::size_t o = 0; o < scene_.orifices.size(); ++o) {
+      const double usual =
+          scene_.materials[0].density * std::sqrt(g) * std::pow(scene_.orifices[o].width, 1.5) * s_.t;
+      if (s_.orifice_mass[o] < 1e-3 * usual)
+        warn(fmt::format(
+            "orifice {} is open but does not flow: {:.3g} left in the first {:.3g}; an orifice of this "
+            "width would let out about {:.3g} (jammed, or no grains above it)",
+            o, s_.orifice_mass[o], s_.t, usual));
+    }
+  }
+
+  void watch_stops() {
+    const Stop& stop = scene_.stop;
+    if (stop.mass_below && mass_ < *stop.mass_below * initial_mass_)
+      end(Status::stopped, fmt::format("grain mass fell below {} of the initial mass", *stop.mass_below));
+    if (stop.steady_discharge && settle_ > 0 && s_.t > 3 * settle_) {
+      const auto sample = [&](double t) {
+        return *std::lower_bound(mass_over_time_.begin(), mass_over_time_.end(), t,
+                                 [](const auto& at, double time) { return at[0] < time; });
+      };
+      const auto a = sample(s_.t - 2 * settle_), b = sample(s_.t - settle_);
+      const double before = (a[1] - b[1]) / (b[0] - a[0]), now = (b[1] - mass_) / (s_.t - b[0]);
+      if (now > 0 && std::abs(now - before) < *stop.steady_discharge * now)
+        end(Status::stopped, fmt::format("discharge steady to {}", *stop.steady_discharge));
+    }
+  }
+
+  double fraction_done() const {
+    double done = scene_.time.end > 0 ? s_.t / scene_.time.end : 0;
+    if (scene_.time.max_steps > 0)
+      done = std::max(done, static_cast<double>(s_.steps) / static_cast<double>(scene_.time.max_steps));
+    if (scene_.stop.mass_below && initial_mass_ > 0)
+      done = std::max(done, (initial_mass_ - mass_) / (initial_mass_ * (1 - *scene_.stop.mass_below)));
+    return std::min(done, 1.0);
+  }
+
+  void tell(const StepReport& report) {
+    if (series_.due(s_.t)) tell_series(report);
+    if (frames_.due(s_.t))
+      for (Observer* o : observers_) o->on_fields(simulation_);
+    if (pictures_.due(s_.t))
+      for (Observer* o : observers_) o->on_snapshot(simulation_);
+  }
+  void tell_end(const StepReport& report) {
+    if (series_.owes(s_.t)) tell_series(report);
+    if (frames_.owes(s_.t))
+      for (Observer* o : observers_) o->on_fields(simulation_);
+    if (pictures_.owes(s_.t))
+      for (Observer* o : observers_) o->on_snapshot(simulation_);
+  }
+  /// Outflows of a row are means since the row before.
+  void tell_series(const StepReport& report) {
+    SeriesRow row = s_.row(report);
+    const SeriesRow totals = row;
+    const double interval = s_.t - last_.step.t;
+    const auto rate = [&](std::vector<double>& now, const std::vector<double>& before) {
+      for (std::size_t k = 0; k < now.size(); ++k)
+        now[k] = interval > 0 ? (now[k] - (before.empty() ? 0 : before[k])) / interval : 0;
+    };
+    rate(row.orifice_outflow, last_.orifice_outflow);
+    rate(row.material_outflow, last_.material_outflow);
+    for (double q : row.orifice_outflow) row.outflow += q;
+    row.wall_seconds = seconds_since(clock_);
+    static_over_time_.push_back({s_.t, row.quasi_static_fraction});
+    for (Observer* o : observers_) o->on_series(row);
+    last_ = totals;
+  }
+
+  Summary summarise() {
+    Summary& r = summary_;
+    const DischargeWindow window = discharge(scene_, mass_over_time_);
+    r.discharge_rate = window.rate;
+    r.discharge_window[0] = window.from;
+    r.discharge_window[1] = window.to;
+    double width = 0;
+    for (const Orifice& o : scene_.orifices) width += o.width;
+    const double g = std::hypot(scene_.gravity[0], scene_.gravity[1]);
+    if (width > 0 && g > 0)
+      r.discharge_constant =
+          window.rate / (scene_.materials[0].density * std::sqrt(g) * std::pow(width, 1.5));
+    double share = 0, rows = 0;
+    for (const auto& [time, fraction] : static_over_time_)
+      if (time >= window.from && time <= window.to) {
+        share += fraction;
+        rows += 1;
+      }
+    r.quasi_static_fraction = rows > 0 ? share / rows : simulation_.quasi_static_fraction();
+    double gone = s_.other_mass;
+    for (double m : s_.orifice_mass) gone += m;
+    if (initial_mass_ > 0)
+      r.mass_error = std::abs((initial_mass_ - simulation_.grain_mass()) - gone) / initial_mass_;
+    r.steps = s_.steps;
+    r.cells = s_.fields.patch().cells();
+    r.threads = threads_of(scene_);
+    r.wall_seconds = stepping_;
+    if (stepping_ > 0)
+      r.cell_steps_per_second = static_cast<double>(r.steps) * static_cast<double>(r.cells) / stepping_;
+    s_.timers.add("output and diagnostics", outside_);
+    r.stages = s_.timers.stages();
+    return r;
+  }
+
+  Simulation& simulation_;
+  Simulation::Impl& s_;
+  const Scene& scene_;
+  const std::vector<Observer*>& observers_;
+  Cadence series_, frames_, pictures_;
+  const double initial_mass_;
+  double mass_;
+  const double settle_;  // when the discharge counts as developed
+  std::vector<std::array<double, 2>> mass_over_time_, static_over_time_;
+  SeriesRow last_;  // its outflows are totals
+  Summary summary_;
+  bool ended_ = false, watched_orifices_ = false;
+  long misses_in_a_row_ = 0;
+  double stepping_ = 0, outside_ = 0;  // seconds
+  const Clock::time_point clock_ = Clock::now();
+};
+
+}  // namespace
+
+Summary Simulation::run(const std::vector<Observer*>& observers) {
+  return Run(*this, *impl_, observers).to_end();
+}
+
+}  // namespace hourglass

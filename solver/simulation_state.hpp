@@ -1,0 +1,42 @@
+#pragma once
+// What a simulation holds; for solver/simulation.cpp and solver/run.cpp only.
+#include <memory>
+#include <vector>
+
+#include "solver/boundary_of.hpp"
+#include "solver/simulation.hpp"
+#include "solver/step.hpp"
+#include "solver/thread_governor.hpp"
+#include "solver/timers.hpp"
+
+namespace hourglass {
+
+/// Threads that a scene asks for.
+int threads_of(const Scene& scene);
+
+struct Simulation::Impl {
+  explicit Impl(const Scene& s)
+      : scene(s), boundary(boundary_of(scene)), threads(threads_of(scene)),
+        fields(scene.patch(), static_cast<int>(scene.materials.size())),
+        stepper(make_stepper(scene, boundary, threads)), governor(threads),
+        orifice_mass(scene.orifices.size()), orifice_material(scene.materials.size()) {}
+
+  Scene scene;
+  Boundary boundary;
+  int threads;
+  Fields fields;
+  std::unique_ptr<Stepper> stepper;
+  ThreadGovernor governor;
+  Timers timers;
+  double t = 0, dt = 0;  // dt of the last step; 0 before the first
+  long steps = 0;
+  std::vector<double> orifice_mass;      // by orifice, all materials
+  std::vector<double> orifice_material;  // by material, all orifices
+  double other_mass = 0;                 // through open sides
+
+  void fill();
+  void account();
+  SeriesRow row(const StepReport& report) const;
+};
+
+}  // namespace hourglass
