@@ -5,6 +5,7 @@
 // apply_row, wrap and fixed for the coarsest solve. It knows its stencil; this file does not.
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
+#include <limits>
 #include <vector>
 
 #include "kernels/boundary.hpp"
@@ -53,10 +54,12 @@ class CoarsestSolve {
     Eigen::SparseMatrix<double> matrix(n, n);
     matrix.setFromTriplets(entries.begin(), entries.end());
     for (int i = 0; i < n; ++i) largest = std::max(largest, matrix.coeff(i, i));
-    // Fixed points get 1; a whisker on the diagonal makes the pure Neumann problem solvable.
+    // Fixed points get 1. A whisker on the diagonal makes the closed box solvable; it must outweigh the rounding of
+    // T, which leaves constants an eigenvalue of either sign.
+    const double whisker = std::max(1e-9, 64.0 * std::numeric_limits<T>::epsilon());
     for (int i = 0; i < n; ++i) {
       const double d = matrix.coeff(i, i);
-      matrix.coeffRef(i, i) = d > 0 ? d * (1 + 1e-9) + 1e-30 * largest : 1;
+      matrix.coeffRef(i, i) = d > 0 ? d * (1 + whisker) + 1e-30 * largest : 1;
     }
     matrix.makeCompressed();
     solver_.compute(matrix);
