@@ -1,0 +1,76 @@
+#include "solver/time_step.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <string>
+
+#include "tests/support/make_scene.hpp"
+
+using namespace hourglass;
+
+namespace {
+
+constexpr double h = 0.5, plenty = 1e300;
+
+TimeStep chosen(const FastestCells& fastest, double before, double left = plenty, Scene scene = {}) {
+  return choose_time_step(scene, fastest, h, before, left);
+}
+
+}  // namespace
+
+TEST_CASE("the time step is the smallest of its limits, and says which one") {
+  const double before = 10;  // growth does not bind
+  CHECK(chosen({0, 0}, before).limit == DtLimit::dt_max);
+  CHECK(chosen({0, 0}, before).dt == Approx(0.0548));
+  const TimeStep cfl = chosen({50, 0}, before);
+  CHECK(cfl.limit == DtLimit::cfl);
+  CHECK(cfl.dt == Approx(0.5 * h / 50));
+  const TimeStep air = chosen({1, 100}, before);
+  CHECK(air.limit == DtLimit::cfl_air);
+  CHECK(air.dt == Approx(0.9 * h / 100));
+  const TimeStep end = chosen({0, 0}, before, 1e-3);
+  CHECK(end.limit == DtLimit::end);
+  CHECK(end.dt == 1e-3);
+}
+
+TEST_CASE("the time step grows by a quarter from a small first one") {
+  const TimeStep first = chosen({0, 0}, 0);
+  CHECK(first.dt == Approx(std::min(0.0548, 0.1 * std::sqrt(h))));
+  const TimeStep next = chosen({0, 0}, 1e-3);
+  CHECK(next.limit == DtLimit::growth);
+  CHECK(next.dt == Approx(1.25e-3));
+  Scene weightless;
+  weightless.gravity = {0, 0};
+  CHECK(chosen({0, 0}, 0, plenty, weightless).limit == DtLimit::dt_max);
+}
+
+TEST_CASE("the fastest cells: grains count with their neighbours, air apart") {
+  const Patch p{12, 10, 1, 0, 0};
+  Fields f(p, 1);
+  f.grains(3, 4) = 0.01;
+  f.u(5, 4) = -7;  // right of cell (4, 4), beside the grains
+  f.v(9, 8) = 30;  // far off
+  f.u(10, 8) = 4;
+  for (int threads : {1, 3}) {
+    const FastestCells fastest = fastest_cells(f, threads);
+    CHECK(fastest.near_grains == 7);
+    CHECK(fastest.air == 34);
+  }
+  f.v(9, 8) = std::nan("");
+  CHECK_FALSE(std::isfinite(fastest_cells(f, 1).air + fastest_cells(f, 1).near_grains));
+}
+
+TEST_CASE("every limit has a name") {
+  for (DtLimit limit : {DtLimit::dt_max, DtLimit::cfl, DtLimit::cfl_air, DtLimit::growth, DtLimit::end})
+    CHECK(std::string(name_of(limit)).size() > 2);
+}
+
+TEST_CASE("a step ends at the limit that it is given, exactly") {
+  Scene s = silo(32);
+  Simulation simulation(s);
+  while (simulation.t() < 0.5) simulation.step(0.5);
+  CHECK(simulation.t() == 0.5);
+  const StepReport report = simulation.step();
+  CHECK(report.t == simulation.t());
+  CHECK(report.dt > 1e-3);  // the cut step before does not slow down the next
+}
