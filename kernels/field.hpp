@@ -3,6 +3,7 @@
 // compile. Rows (constant j) are contiguous, padded and aligned to 64 bytes at i = 0; `halo` layers surround
 // the patch on every side.
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <memory>
 #include <new>
@@ -39,7 +40,10 @@ class Field {
     if (lines % 16 == 0) ++lines;  // rows a multiple of 1 KiB apart would share cache sets
     stride_ = lines * line;
     rows_ = patch.ny + 1 + 2 * halo;
-    origin_ = static_cast<std::size_t>(halo) * stride_ + line;
+    // Fields of one size would all begin at the same place in a page, and a processor that has just stored to
+    // one then holds back loads from the others (addresses are first compared by their low 12 bits).
+    shift_ = static_cast<std::size_t>(7 * allocations_++ % 64) * line;
+    origin_ = shift_ + static_cast<std::size_t>(halo) * stride_ + line;
     data_.reset(static_cast<T*>(::operator new[](size() * sizeof(T), std::align_val_t{64})));
     fill(value);
   }
@@ -50,7 +54,7 @@ class Field {
     if (this == &other) return *this;
     if (!other.data_) return *this = Field();
     if (!data_ || !(patch_ == other.patch_)) *this = Field(other.patch_);
-    std::copy(other.data_.get(), other.data_.get() + size(), data_.get());
+    std::copy(other.data_.get() + other.shift_, other.data_.get() + other.size(), data_.get() + shift_);
     return *this;
   }
 
@@ -73,11 +77,12 @@ class Field {
   struct Free {
     void operator()(T* p) const { ::operator delete[](p, std::align_val_t{64}); }
   };
-  std::size_t size() const { return static_cast<std::size_t>(stride_) * rows_; }
+  std::size_t size() const { return shift_ + static_cast<std::size_t>(stride_) * rows_; }
 
   Patch patch_{};
   int stride_ = 0, rows_ = 0;
-  std::size_t origin_ = 0;
+  std::size_t shift_ = 0, origin_ = 0;
+  inline static std::atomic<unsigned> allocations_{0};
   std::unique_ptr<T[], Free> data_;
 };
 

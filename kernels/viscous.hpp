@@ -46,7 +46,7 @@ struct URow {
   URow(const ViscousCoefficients<T>& a, const VelocityOf<X>& x, int j)
       : ec(a.eta_c.row(j)), nn(a.eta_n.row(j + 1)), ns(a.eta_n.row(j)), u(x.u.row(j)), un(x.u.row(j + 1)),
         us(x.u.row(j - 1)), vn(x.v.row(j + 1)), vs(x.v.row(j)) {}
-  X stress(int i) const {
+  [[gnu::always_inline]] X stress(int i) const {
     return X(2) * (X(ec[i]) * (u[i] - u[i + 1]) + X(ec[i - 1]) * (u[i] - u[i - 1])) +
            (X(nn[i]) * ((u[i] - un[i]) - (vn[i] - vn[i - 1])) +
             X(ns[i]) * ((u[i] - us[i]) + (vs[i] - vs[i - 1])));
@@ -61,7 +61,7 @@ struct VRow {
   VRow(const ViscousCoefficients<T>& a, const VelocityOf<X>& x, int j)
       : en(a.eta_c.row(j)), es(a.eta_c.row(j - 1)), nc(a.eta_n.row(j)), v(x.v.row(j)), vn(x.v.row(j + 1)),
         vs(x.v.row(j - 1)), un(x.u.row(j)), us(x.u.row(j - 1)) {}
-  X stress(int i) const {
+  [[gnu::always_inline]] X stress(int i) const {
     return X(2) * (X(en[i]) * (v[i] - vn[i]) + X(es[i]) * (v[i] - vs[i])) +
            (X(nc[i + 1]) * ((v[i] - v[i + 1]) - (un[i + 1] - us[i + 1])) +
             X(nc[i]) * ((v[i] - v[i - 1]) + (un[i] - us[i])));
@@ -100,7 +100,9 @@ void relax_v_row(const ViscousCoefficients<T>& a, VelocityOf<T>& x, const Veloci
   take_colour(scratch, n, j, colour, x.v.row(j));
 }
 
-/// out = f(i, (A x)_i) on row k of the unknown (row_of's numbering), 0 on fixed faces. in: x, halo 1.
+/// out = f(i, (A x)_i) on row k of the unknown (row_of's numbering), 0 on fixed faces. in: x, halo 1. (A
+/// product with 0 or 1, not a choice: GCC moves what a choice leaves unused behind a branch, and then has no
+/// vector code for it.)
 template <class T, class X, class F>
 void map_viscous_row(const ViscousCoefficients<T>& a, const VelocityOf<X>& x, int k, X* __restrict out, F f) {
   const int j = k / 2;
@@ -111,8 +113,7 @@ void map_viscous_row(const ViscousCoefficients<T>& a, const VelocityOf<X>& x, in
     const int n = x.u.nx();
 #pragma omp simd
     for (int i = 0; i < n; ++i) {
-      const X full = f(i, X(m[i]) * row.u[i] + row.stress(i));
-      out[i] = inv[i] != T(0) ? full : X(0);
+      out[i] = X(inv[i] != T(0)) * f(i, X(m[i]) * row.u[i] + row.stress(i));
     }
   } else {
     const VRow<T, X> row(a, x, j);
@@ -121,8 +122,7 @@ void map_viscous_row(const ViscousCoefficients<T>& a, const VelocityOf<X>& x, in
     const int n = x.v.nx();
 #pragma omp simd
     for (int i = 0; i < n; ++i) {
-      const X full = f(i, X(m[i]) * row.v[i] + row.stress(i));
-      out[i] = inv[i] != T(0) ? full : X(0);
+      out[i] = X(inv[i] != T(0)) * f(i, X(m[i]) * row.v[i] + row.stress(i));
     }
   }
 }
@@ -309,8 +309,8 @@ void prolong_viscous_row(const VelocityOf<T>& coarse, const Boundary& coarse_bou
       for (int i = 0; i < nx; ++i) {
         const T here = T(0.75) * near[i] + T(0.25) * far[i];
         const T next = T(0.75) * near[i + 1] + T(0.25) * far[i + 1];
-        out[2 * i] += inv[2 * i] != T(0) ? here : T(0);
-        out[2 * i + 1] += inv[2 * i + 1] != T(0) ? T(0.5) * (here + next) : T(0);
+        out[2 * i] += T(inv[2 * i] != T(0)) * here;
+        out[2 * i + 1] += T(inv[2 * i + 1] != T(0)) * (T(0.5) * (here + next));
       }
     } else {
       for (int i = 0; i < nx; ++i) {
@@ -341,8 +341,8 @@ void prolong_viscous_row(const VelocityOf<T>& coarse, const Boundary& coarse_bou
 #pragma omp simd
     for (int i = 1; i < nx - 1; ++i) {
       const T l = line(i - 1), c = line(i), r = line(i + 1);
-      out[2 * i] += inv[2 * i] != T(0) ? T(0.75) * c + T(0.25) * l : T(0);
-      out[2 * i + 1] += inv[2 * i + 1] != T(0) ? T(0.75) * c + T(0.25) * r : T(0);
+      out[2 * i] += T(inv[2 * i] != T(0)) * (T(0.75) * c + T(0.25) * l);
+      out[2 * i + 1] += T(inv[2 * i + 1] != T(0)) * (T(0.75) * c + T(0.25) * r);
     }
     if (nx > 1) add(nx - 1, line(nx - 2), line(nx - 1), right);
     if (periodic) wrap_row(out, 2 * nx);
