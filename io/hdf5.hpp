@@ -54,6 +54,9 @@ class Id {
 /// is open in a file closed along with it, and without spare blocks at the end of the file, which closing would
 /// cut off. The file format is HDF5's oldest: newer ones mark a file whose writer was killed as unreadable.
 inline Id access(const std::string& where) {
+  // Everything is closed by its handle; a file that could not be closed, its disk being full, would crash
+  // HDF5's own cleaning up at exit.
+  [[maybe_unused]] static const herr_t no_cleaning_up = H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are thrown, not printed
   Id list(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, where);
   checked(H5Pset_file_locking(list, false, true), where);

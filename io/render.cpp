@@ -122,6 +122,7 @@ std::vector<Arrow> arrows_of(const Picture& picture, double cell_pixels) {
   }
   const double least = fastest * std::pow(10.0, -arrow_decades);
   const double longest = std::min(double(p.nx) / across, double(p.ny) / up);
+  std::erase_if(arrows, [&](const Arrow& a) { return !(a.speed > least); });
   for (Arrow& arrow : arrows) {
     const double decades = std::log10(arrow.speed / least) / arrow_decades;
     const double stretch = longest * (0.25 + 0.7 * decades) / arrow.speed;
@@ -131,7 +132,7 @@ std::vector<Arrow> arrows_of(const Picture& picture, double cell_pixels) {
   std::erase_if(arrows, [&](const Arrow& a) {
     const double tail = interpolate(picture.grains, a.x - a.dx / 2, a.y - a.dy / 2);
     const double tip = interpolate(picture.grains, a.x + a.dx / 2, a.y + a.dy / 2);
-    return !(a.speed > least) || tail < 0.5 || tip < 0.5;
+    return tail < 0.5 || tip < 0.5;
   });
   return arrows;
 }

@@ -183,8 +183,11 @@ TEST_CASE("a picture of nothing but air, of zeros and of NaN is still drawn", "[
   const Folder folder;
   Picture picture = filled(16, 16, 0, 0);
   picture.log_scale = true;
+  picture.velocity_x = picture.velocity_y = CellField(picture.values.patch());
   render_png(picture, folder.path / "air.png");
   picture = filled(16, 16, 1, NAN);
+  picture.velocity_x = picture.velocity_y = picture.values;
+  picture.velocity_y(3, 3) = 0;
   render_png(picture, folder.path / "nan.png");
   CHECK(Image(folder.path / "nan.png").count({255, 0, 255}) > 400000);
 }
