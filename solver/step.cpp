@@ -26,6 +26,7 @@ class StepperOf final : public Stepper {
   void set_threads(int threads) override { threads_ = threads; }
 
   void step(Fields& fields, double dt, bool x_first, Timers& timers, StepReport& report) override {
+    for (int j = 0; boundary_.periodic_x && j < patch_.ny; ++j) wrap_row(fields.p.row(j), patch_.nx);
     timers.time("vof", [&] { vof_.advect(fields, dt, x_first, threads_); });
     timers.time("mass", [&] { transport_mass(fields, dt); });
     timers.time("rheology", [&] {
@@ -150,9 +151,10 @@ class StepperOf final : public Stepper {
           const double* rho = mass_.density.row(j);
 #pragma omp simd
           for (int i = 0; i <= nx; ++i) out.data[i] = old[i] - 2 * advected[i] / (rho[i - 1] + rho[i]);
+          if (!boundary_.periodic_x)  // half a control volume; the halo's density is a copy
+            for (int i : {0, nx}) out.data[i] = old[i] - 2 * advected[i] / rho[std::min(i, nx - 1)];
         } else {
           advect_v_row(fields.u, fields.v, mass_, dt_h, j, scratch.data(), advected.data());
-          // Half a control volume at a boundary: the halo's density is a copy, so halve the sum there.
           const double share = j == 0 || j == ny ? 0.5 : 1.0;
           const double *below = mass_.density.row(j - 1), *above = mass_.density.row(j);
 #pragma omp simd
