@@ -69,7 +69,7 @@ class Field {
   int stride() const { return stride_; }
   const Patch& patch() const { return patch_; }
   bool allocated() const { return data_ != nullptr; }
-  std::size_t bytes() const { return data_ ? size() * sizeof(T) : 0; }
+  std::size_t bytes() const { return data_ ? (size() - shift_) * sizeof(T) : 0; }
   void fill(T value) { std::fill(data_.get(), data_.get() + size(), value); }
   void swap(Field& other) noexcept { std::swap(*this, other); }
 

@@ -16,24 +16,28 @@ namespace hourglass {
 
 int threads_of(const Scene& scene) { return scene.threads > 0 ? scene.threads : omp_get_num_procs(); }
 
-/// Paints the fills in order, each cell by the share that a polygon covers.
+/// Shares of a cell are the areas of the fills that no later fill hides, exactly.
 void Simulation::Impl::fill() {
   const Patch& patch = fields.patch();
-  for (const Fill& f : scene.fill) {
-    const Polygon polygon(f.points.begin(), f.points.end());
-    for (int j = 0; j < patch.ny; ++j)
-      for (int i = 0; i < patch.nx; ++i) {
-        const double share = covered_fraction(polygon, patch.x_corner(i), patch.y_corner(j),
-                                              patch.x_corner(i + 1), patch.y_corner(j + 1));
-        if (share <= 0) continue;
-        const auto paint = [&](CellField& c, bool covered) {
-          c(i, j) = share >= 1 ? (covered ? 1.0 : 0.0) : c(i, j) * (1 - share) + (covered ? share : 0.0);
-        };
-        paint(fields.grains, f.material >= 0);
-        for (std::size_t k = 0; k < fields.tracers.size(); ++k)
-          paint(fields.tracers[k], f.material == static_cast<int>(k) + 1);
+  std::vector<Polygon> polygons;
+  for (const Fill& f : scene.fill) polygons.emplace_back(f.points.begin(), f.points.end());
+  std::vector<double> share(scene.materials.size());
+  for (int j = 0; j < patch.ny; ++j)
+    for (int i = 0; i < patch.nx; ++i) {
+      std::fill(share.begin(), share.end(), 0.0);
+      for (std::size_t k = 0; k < polygons.size(); ++k) {
+        if (scene.fill[k].material < 0) continue;
+        const Polygon part = part_in(polygons[k], patch.x_corner(i), patch.y_corner(j), patch.x_corner(i + 1),
+                                     patch.y_corner(j + 1));
+        share[scene.fill[k].material] += visible_area(part, polygons, k + 1) / (patch.h * patch.h);
       }
-  }
+      double grains = 0;
+      for (double s : share) grains += s;
+      const double rounding = std::abs(grains - 1) < 1e-12 ? 1 / grains : 1;
+      fields.grains(i, j) = std::clamp(grains * rounding, 0.0, 1.0);
+      for (std::size_t k = 0; k < fields.tracers.size(); ++k)
+        fields.tracers[k](i, j) = std::clamp(share[k + 1] * rounding, 0.0, fields.grains(i, j));
+    }
   fill_cell_halo(boundary, fields.grains);
 }
 

@@ -1,0 +1,102 @@
+// The base scene drains: conservation, bounds, small orifices, the guard that speaks when nothing flows.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "tests/support/base_scene.hpp"
+
+using namespace hourglass;
+using namespace hourglass::test;
+
+namespace {
+
+/// Watches the grains' bounds at every step.
+class Bounds : public Observer {
+ public:
+  explicit Bounds(const Simulation& simulation) : simulation_(simulation) {}
+  void on_step(const StepReport& report, double) override {
+    const CellField& c = simulation_.fields().grains;
+    for (int j = 0; j < c.ny(); ++j)
+      for (int i = 0; i < c.nx(); ++i) {
+        low = std::min(low, c(i, j));
+        high = std::max(high, c(i, j));
+      }
+    worst_divergence = std::max(worst_divergence, report.max_divergence);
+    most_viscous = std::max(most_viscous, report.viscous.iterations);
+    most_pressure = std::max(most_pressure, report.pressure.iterations);
+  }
+  double low = 1, high = 0, worst_divergence = 0;
+  int most_viscous = 0, most_pressure = 0;
+
+ private:
+  const Simulation& simulation_;
+};
+
+}  // namespace
+
+TEST_CASE("a whole drain at 64^2 conserves grains and keeps their share in [0, 1]") {
+  Scene scene = base_scene(64, 200);
+  scene.stop.mass_below = 0.25;
+  Simulation simulation(scene);
+  Bounds bounds(simulation);
+  const Summary summary = simulation.run({&bounds});
+  CHECK(summary.status == Status::stopped);  // it drains
+  CHECK(summary.missed_tolerances == 0);
+  CHECK(summary.warnings.empty());
+  CHECK(summary.mass_error < 1e-6);
+  CHECK(bounds.low > -1e-9);
+  CHECK(bounds.high < 1 + 1e-9);
+  CHECK(bounds.worst_divergence <= 1.0001e-6);
+  CHECK(bounds.most_viscous <= 10);
+  CHECK(bounds.most_pressure <= 9);
+  CHECK(summary.discharge_rate / code_unit == Approx(0.514).margin(0.012));
+}
+
+TEST_CASE("the discharge at 128^2 lies where the grid study puts it", "[slow]") {
+  // docs/accuracy.md: 0.5430 at 128^2, Richardson 0.554; the independent reference says 0.56 +- 0.02.
+  const Summary summary = Simulation(base_scene(128, 27.386)).run();
+  CHECK(summary.discharge_rate / code_unit == Approx(0.543).margin(0.005));
+  CHECK(summary.missed_tolerances == 0);
+}
+
+TEST_CASE("small orifices flow at any viscosity cap", "[slow]") {
+  struct Case {
+    int cells;
+    double low, high;
+  };
+  for (const Case c : {Case{4, 0.01, 0.06}, Case{6, 0.05, 0.14}, Case{8, 0.10, 0.21}, Case{12, 0.26, 0.40}})
+    for (const double eta_max : {1.643e4, 1.643e6}) {
+      Scene scene = base_scene(128, 22, 75, c.cells * 150.0 / 128);
+      scene.rheology.eta_max = eta_max;
+      const Summary summary = Simulation(scene).run();
+      INFO(c.cells << " cells, eta_max " << eta_max << ": " << summary.discharge_rate / code_unit);
+      CHECK(summary.missed_tolerances == 0);
+      CHECK(summary.warnings.empty());
+      CHECK(summary.discharge_rate / code_unit > c.low);
+      CHECK(summary.discharge_rate / code_unit < c.high);
+      CHECK(summary.mass_error < 1e-6);
+    }
+}
+
+TEST_CASE("an open orifice with no grains above it is reported") {
+  Scene scene = base_scene(64, 20);
+  scene.fill = {box(0, 30, 0, 20)};  // a heap in the corner that does not reach the hole
+  scene.materials[0].mu_s = 5;
+  const Summary summary = Simulation(scene).run();
+  REQUIRE_FALSE(summary.warnings.empty());
+  CHECK(summary.warnings[0].find("orifice 0 is open but does not flow") != std::string::npos);
+}
+
+TEST_CASE("an inert tracer changes nothing and keeps its mass") {
+  Scene plain = base_scene(64, 8), layered = plain;
+  Material tracer = layered.materials[0];
+  tracer.name = "tracer";
+  layered.materials.push_back(tracer);
+  layered.fill.push_back(box(0, 150, 75, 135, 1));
+  Simulation a(plain), b(layered);
+  const double before = b.material_mass()[1];
+  a.run();
+  b.run();
+  CHECK(b.grain_mass() == Approx(a.grain_mass()).epsilon(1e-12));
+  CHECK(b.material_mass()[1] == Approx(before).epsilon(1e-6));  // none has reached the orifice yet
+}
