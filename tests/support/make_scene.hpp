@@ -19,20 +19,20 @@ inline Material well_posed_grains() {
   return m;
 }
 
-/// The silo of the reference thesis, 150 x 150 d filled to 135 d, with one orifice in the bottom.
-inline Scene silo(int cells, double orifice_cells, double centre_cells) {
+/// The base scene of the reference thesis: 150 d x 150 d filled to 135 d, one orifice in the floor. No output.
+/// One thread.
+inline Scene silo(int cells, double end = 0, double orifice_centre = 75, double orifice_width = 18.75) {
   Scene s;
   s.cells_x = cells;
-  const double h = s.width / cells;
   s.fill = {fill_box(0, 0, s.width, 0, 135)};
-  Orifice hole;
-  hole.width = orifice_cells * h;
-  hole.centre = centre_cells * h;
-  s.orifices = {hole};
+  s.orifices = {{Side::bottom, orifice_centre, orifice_width}};
+  s.time.end = end;
+  s.output.series_every = s.output.fields_every = s.output.snapshots_every = 0;
   s.threads = 1;
   return s;
 }
-inline Scene silo(int cells) { return silo(cells, cells / 8.0, cells / 2.0); }
+/// One of the thesis's units of discharge [rho sqrt(g d^3)] (docs/accuracy.md).
+inline constexpr double code_unit = 164.3;
 
 /// A box full of Newtonian fluids, solved tightly in double; one material a viscosity.
 inline Scene newtonian(double width, double height, int cells_x, const std::vector<double>& viscosities) {

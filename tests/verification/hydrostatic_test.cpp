@@ -1,18 +1,17 @@
-// A closed tank with its surface inside a cell is at rest, to rounding.
+// A tank with its surface inside a cell is at rest, to rounding.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "tests/support/base_scene.hpp"
+#include "tests/support/make_scene.hpp"
 
 using namespace hourglass;
-using namespace hourglass::test;
 
 TEST_CASE("a tank at rest stays at rest") {
   for (const Precision precision : {Precision::mixed, Precision::full}) {
-    Scene scene = base_scene(32, 0);
+    Scene scene = silo(32);
     scene.orifices.clear();
-    scene.fill = {box(0, 150, 0, 101.3)};  // 21.6 cells
+    scene.fill = {fill_box(0, 0, 150, 0, 101.3)};  // 21.6 cells
     scene.start_pressure = StartPressure::hydrostatic;
     scene.accuracy.precision = precision;
     Simulation tank(scene);

@@ -1,19 +1,18 @@
-// The base scene drains: conservation, bounds, small orifices, the guard that speaks when nothing flows.
+// The base silo drains: conservation, bounds, small orifices, the guard that speaks when nothing flows.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "tests/support/base_scene.hpp"
+#include "tests/support/make_scene.hpp"
 
 using namespace hourglass;
-using namespace hourglass::test;
 
 namespace {
 
-/// Watches the grains' bounds at every step.
-class Bounds : public Observer {
+/// Watches the grains' bounds and the solvers at every step.
+class Watch : public Observer {
  public:
-  explicit Bounds(const Simulation& simulation) : simulation_(simulation) {}
+  explicit Watch(const Simulation& simulation) : simulation_(simulation) {}
   void on_step(const StepReport& report, double) override {
     const CellField& c = simulation_.fields().grains;
     for (int j = 0; j < c.ny(); ++j)
@@ -35,26 +34,26 @@ class Bounds : public Observer {
 }  // namespace
 
 TEST_CASE("a whole drain at 64^2 conserves grains and keeps their share in [0, 1]") {
-  Scene scene = base_scene(64, 200);
+  Scene scene = silo(64, 200);
   scene.stop.mass_below = 0.25;
   Simulation simulation(scene);
-  Bounds bounds(simulation);
-  const Summary summary = simulation.run({&bounds});
+  Watch watch(simulation);
+  const Summary summary = simulation.run({&watch});
   CHECK(summary.status == Status::stopped);  // it drains
   CHECK(summary.missed_tolerances == 0);
   CHECK(summary.warnings.empty());
   CHECK(summary.mass_error < 1e-6);
-  CHECK(bounds.low > -1e-9);
-  CHECK(bounds.high < 1 + 1e-9);
-  CHECK(bounds.worst_divergence <= 1.0001e-6);
-  CHECK(bounds.most_viscous <= 10);
-  CHECK(bounds.most_pressure <= 9);
+  CHECK(watch.low > -1e-9);
+  CHECK(watch.high < 1 + 1e-9);
+  CHECK(watch.worst_divergence <= 1.0001e-6);
+  CHECK(watch.most_viscous <= 10);
+  CHECK(watch.most_pressure <= 9);
   CHECK(summary.discharge_rate / code_unit == Approx(0.514).margin(0.012));
 }
 
 TEST_CASE("the discharge at 128^2 lies where the grid study puts it", "[slow]") {
   // docs/accuracy.md: 0.5430 at 128^2, Richardson 0.554; the independent reference says 0.56 +- 0.02.
-  const Summary summary = Simulation(base_scene(128, 27.386)).run();
+  const Summary summary = Simulation(silo(128, 27.386)).run();
   CHECK(summary.discharge_rate / code_unit == Approx(0.543).margin(0.005));
   CHECK(summary.missed_tolerances == 0);
 }
@@ -62,11 +61,11 @@ TEST_CASE("the discharge at 128^2 lies where the grid study puts it", "[slow]") 
 TEST_CASE("small orifices flow at any viscosity cap", "[slow]") {
   struct Case {
     int cells;
-    double low, high;
+    double low, high;  // code units
   };
   for (const Case c : {Case{4, 0.01, 0.06}, Case{6, 0.05, 0.14}, Case{8, 0.10, 0.21}, Case{12, 0.26, 0.40}})
     for (const double eta_max : {1.643e4, 1.643e6}) {
-      Scene scene = base_scene(128, 22, 75, c.cells * 150.0 / 128);
+      Scene scene = silo(128, 22, 75, c.cells * 150.0 / 128);
       scene.rheology.eta_max = eta_max;
       const Summary summary = Simulation(scene).run();
       INFO(c.cells << " cells, eta_max " << eta_max << ": " << summary.discharge_rate / code_unit);
@@ -79,8 +78,8 @@ TEST_CASE("small orifices flow at any viscosity cap", "[slow]") {
 }
 
 TEST_CASE("an open orifice with no grains above it is reported") {
-  Scene scene = base_scene(64, 20);
-  scene.fill = {box(0, 30, 0, 20)};  // a heap in the corner that does not reach the hole
+  Scene scene = silo(64, 20);
+  scene.fill = {fill_box(0, 0, 30, 0, 20)};  // a heap in the corner that does not reach the hole
   scene.materials[0].mu_s = 5;
   const Summary summary = Simulation(scene).run();
   REQUIRE_FALSE(summary.warnings.empty());
@@ -88,11 +87,11 @@ TEST_CASE("an open orifice with no grains above it is reported") {
 }
 
 TEST_CASE("an inert tracer changes nothing and keeps its mass") {
-  Scene plain = base_scene(64, 8), layered = plain;
+  Scene plain = silo(64, 8), layered = plain;
   Material tracer = layered.materials[0];
   tracer.name = "tracer";
   layered.materials.push_back(tracer);
-  layered.fill.push_back(box(0, 150, 75, 135, 1));
+  layered.fill.push_back(fill_box(1, 0, 150, 75, 135));
   Simulation a(plain), b(layered);
   const double before = b.material_mass()[1];
   a.run();
