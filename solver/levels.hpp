@@ -88,6 +88,8 @@ class PoissonLevel {
   template <class X>
   void mask(CellFieldOf<X>&, int) const {}  // every cell is an unknown
   bool fixed(int, int) const { return false; }
+  /// A closed box: constants are solutions without a source.
+  bool singular() const { return !boundary_.any_open(); }
   std::size_t bytes() const { return a.bytes() + x.bytes() + b.bytes() + r.bytes(); }
 
  private:
@@ -203,6 +205,7 @@ class ViscousLevel {
 #pragma omp simd
     for (int i = 0; i < row.n; ++i) row.data[i] = inv[i] != T(0) ? row.data[i] : X(0);
   }
+  bool singular() const { return false; }  // mass holds whatever moves
   bool fixed(int k, int i) const { return row_of(a.inverse_diagonal, k).data[i] == T(0); }
   std::size_t bytes() const { return a.bytes() + x.bytes() + b.bytes() + r.bytes(); }
 
