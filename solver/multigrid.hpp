@@ -75,7 +75,11 @@ class CoarsestSolve {
       for (int i = 0; i < row.n; ++i) rhs_[offsets_[k] + i] = level.fixed(k, i) ? 0 : row.data[i];
     }
     // What rounding left of a source in a closed box would come back divided by the whisker.
-    if (level.singular()) rhs_.array() -= rhs_.mean();
+    if (level.singular()) {
+      double sum = 0;
+      for (double source : rhs_) sum += source;
+      for (double& source : rhs_) source -= sum / static_cast<double>(rhs_.size());
+    }
     rhs_ = solver_.solve(rhs_);
     for (int k = 0; k < rows; ++k) {
       const auto row = row_of(x, k);
