@@ -143,7 +143,7 @@ class Run {
     for (std::size_t o = 0; o < scene_.orifices.size(); ++o) {
       const double usual =
           scene_.materials[0].density * std::sqrt(g) * std::pow(scene_.orifices[o].width, 1.5) * s_.t;
-      if (s_.orifice_mass[o] < 1e-3 * usual)
+      if (s_.orifice_mass[o] < 0.02 * usual)  // 0.005 falls out before a jam sets
         warn(fmt::format(
             "orifice {} is open but does not flow: {:.3g} left in the first {:.3g}; an orifice of this "
             "width would let out about {:.3g} (jammed, or no grains above it)",
