@@ -34,7 +34,8 @@ struct NamedBoundary {
 /// Needs at least 6 cells each way.
 inline std::vector<NamedBoundary> all_kinds_of_boundaries(int nx, int ny) {
   const auto walls = [&](double shear) {
-    return Boundary{wall_side(ny, shear), wall_side(ny, shear), wall_side(nx, shear), wall_side(nx, shear), false};
+    return Boundary{wall_side(ny, shear), wall_side(ny, shear), wall_side(nx, shear), wall_side(nx, shear),
+                    false};
   };
   Boundary silo = walls(no_slip);
   silo.bottom = pierced_side(nx, no_slip, 2, 5, 1);
@@ -47,8 +48,12 @@ inline std::vector<NamedBoundary> all_kinds_of_boundaries(int nx, int ny) {
   sieve.bottom = pierced_side(nx, no_slip, 1, 4, 1);
   sieve.top = open_side(nx);
   const Boundary open{open_side(ny), open_side(ny), open_side(nx), open_side(nx), false};
-  return {{"no slip", walls(no_slip)}, {"free slip", walls(free_slip)}, {"silo", silo},
-          {"holes on every side", holes}, {"open", open},               {"periodic channel", channel},
+  return {{"no slip", walls(no_slip)},
+          {"free slip", walls(free_slip)},
+          {"silo", silo},
+          {"holes on every side", holes},
+          {"open", open},
+          {"periodic channel", channel},
           {"periodic sieve", sieve}};
 }
 

@@ -13,7 +13,8 @@ struct Layer {
 
 class LayeredFlow {
  public:
-  LayeredFlow(std::vector<Layer> layers, double gravity, bool wall_on_top) : layers_(std::move(layers)), g_(gravity) {
+  LayeredFlow(std::vector<Layer> layers, double gravity, bool wall_on_top)
+      : layers_(std::move(layers)), g_(gravity) {
     // With stress tau at the bottom, u at the top is a + b tau.
     double a = 0, b = 0, weight = 0;
     for (const Layer& l : layers_) {

@@ -25,8 +25,8 @@ void finish(const Boundary& boundary, ViscousCoefficients<T>& a) {
 
 /// eta(x, y) at cell centres, the corners by the rule of the solver, and mass [M/T] on every face (half at boundaries).
 template <class T, class Eta>
-ViscousCoefficients<T> viscous_coefficients(const Patch& patch, const Boundary& boundary, Eta&& eta, double mass,
-                                            bool harmonic = true) {
+ViscousCoefficients<T> viscous_coefficients(const Patch& patch, const Boundary& boundary, Eta&& eta,
+                                            double mass, bool harmonic = true) {
   ViscousCoefficients<T> a(patch);
   for (int j = 0; j < patch.ny; ++j)
     for (int i = 0; i < patch.nx; ++i)
@@ -44,7 +44,8 @@ ViscousCoefficients<T> viscous_coefficients(const Patch& patch, const Boundary& 
 
 /// Viscosities spread evenly in the logarithm over [1, contrast], masses over [1e-3, 1].
 template <class T>
-ViscousCoefficients<T> random_viscous(const Patch& patch, const Boundary& boundary, Noise& noise, double contrast) {
+ViscousCoefficients<T> random_viscous(const Patch& patch, const Boundary& boundary, Noise& noise,
+                                      double contrast) {
   ViscousCoefficients<T> a = viscous_coefficients<T>(
       patch, boundary, [&](double, double) { return noise.logarithmic(1, contrast); }, 1.0);
   for (int k = 0; k < row_count(a.mass); ++k) {

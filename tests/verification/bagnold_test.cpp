@@ -131,8 +131,8 @@ TEST_CASE("vertical chute at constant pressure: order 4/3, from the edge of the 
     errors.push_back(errors_of(simulation.fields(), exact).l2);
     plug.push_back(simulation.fields().u(1, n - 1));
   }
-  figure("chute: L2 %s orders %s; plug %s, exact %.5f", listed(errors).c_str(), listed(orders(errors)).c_str(),
-         listed(plug).c_str(), chute(0, d));
+  figure("chute: L2 %s orders %s; plug %s, exact %.5f", listed(errors).c_str(),
+         listed(orders(errors)).c_str(), listed(plug).c_str(), chute(0, d));
   expect_order(errors, 4.0 / 3, 0.15);
   CHECK(errors.back() < 3e-3 * chute(0, d));
   CHECK(plug.back() == Approx(chute(0, d)).epsilon(5e-3));

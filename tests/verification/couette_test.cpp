@@ -16,7 +16,8 @@ double error_of(double contrast, double interface_at, bool stiff_above, int cell
   const Layer soft{stiff_above ? interface_at : 0.75 - interface_at, 1, 1e-9};
   const Layer stiff{0.75 - soft.thickness, contrast, 1e-9};
   const Layer lid{0.25, 1, 1};
-  const std::vector<Layer> layers = stiff_above ? std::vector{soft, stiff, lid} : std::vector{stiff, soft, lid};
+  const std::vector<Layer> layers =
+      stiff_above ? std::vector{soft, stiff, lid} : std::vector{stiff, soft, lid};
   Simulation simulation(layered_scene(layers, gravity, false, cells));
   run_to_steady(simulation, 1e-12, 60);
   const LayeredFlow exact(layers, gravity, false);

@@ -26,8 +26,8 @@ double eta_x(double x, double y) { return B * std::cos(x) * std::sin(y) * eta(x,
 double eta_y(double x, double y) { return B * std::sin(x) * std::cos(y) * eta(x, y); }
 double force_x(double x, double y) {
   const double s_y = -4 * std::sin(x) * std::sin(x) * std::sin(2 * y) - 2 * std::cos(2 * x) * std::sin(2 * y);
-  return 2 * eta_x(x, y) * a(x, y) + 4 * eta(x, y) * std::cos(2 * x) * std::sin(2 * y) + eta_y(x, y) * s(x, y) +
-         eta(x, y) * s_y;
+  return 2 * eta_x(x, y) * a(x, y) + 4 * eta(x, y) * std::cos(2 * x) * std::sin(2 * y) +
+         eta_y(x, y) * s(x, y) + eta(x, y) * s_y;
 }
 double force_y(double x, double y) {
   const double s_x = 2 * std::sin(2 * x) * std::cos(2 * y) + 4 * std::sin(2 * x) * std::sin(y) * std::sin(y);
@@ -74,9 +74,10 @@ TEST_CASE("manufactured solution with viscosities over 1e4 : 1: second order, ei
     std::vector<double> errors;
     for (int n : {32, 64, 128, 256}) errors.push_back(error_of<double>(n, harmonic));
     INFO((harmonic ? "harmonic" : "arithmetic"));
-    figure("manufactured solution, %s: %s orders %s", harmonic ? "harmonic" : "arithmetic", listed(errors).c_str(),
-           listed(orders(errors)).c_str());
+    figure("manufactured solution, %s: %s orders %s", harmonic ? "harmonic" : "arithmetic",
+           listed(errors).c_str(), listed(orders(errors)).c_str());
     expect_order(errors, 2.0, 0.1);
-    CHECK(error_of<float>(128, harmonic) == Approx(errors[2]).epsilon(1e-5));  // mixed precision: the same answer
+    CHECK(error_of<float>(128, harmonic) ==
+          Approx(errors[2]).epsilon(1e-5));  // mixed precision: the same answer
   }
 }

@@ -54,8 +54,8 @@ TEST_CASE("two-layer Poiseuille flow up to contrast 1e8: second order where the 
       std::vector<double> errors;
       for (int n : {16, 32, 64}) errors.push_back(error_of(layers, n));
       INFO("contrast " << contrast << (stiff_above ? ", stiff above" : ", stiff below"));
-      figure("two-layer Poiseuille, contrast %.0e, stiff %s: %s orders %s", contrast, stiff_above ? "above" : "below",
-             listed(errors).c_str(), listed(orders(errors)).c_str());
+      figure("two-layer Poiseuille, contrast %.0e, stiff %s: %s orders %s", contrast,
+             stiff_above ? "above" : "below", listed(errors).c_str(), listed(orders(errors)).c_str());
       expect_order(errors, 2.0, 0.1);
       CHECK(errors.back() < 1e-3);
     }

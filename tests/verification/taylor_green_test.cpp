@@ -71,7 +71,8 @@ TEST_CASE("Taylor-Green vortex: first order in time") {
   for (double dt : {0.04, 0.02, 0.01, 0.005}) velocity.push_back(errors_at(0.8, 32, dt).velocity);
   // What is left at dt -> 0 is the grid's error; differences of successive solutions do not see it.
   std::vector<double> differences;
-  for (std::size_t k = 1; k < velocity.size(); ++k) differences.push_back(std::abs(velocity[k - 1] - velocity[k]));
+  for (std::size_t k = 1; k < velocity.size(); ++k)
+    differences.push_back(std::abs(velocity[k - 1] - velocity[k]));
   figure("Taylor-Green, time: velocity %s orders of the differences %s", listed(velocity).c_str(),
          listed(orders(differences)).c_str());
   expect_order(differences, 1.0, 0.2);

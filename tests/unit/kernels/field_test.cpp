@@ -15,10 +15,11 @@ static_assert(!std::is_convertible_v<CellField, XFaceField>);
 static_assert(std::is_same_v<rebind_t<VelocityOf<float>, double>, Velocity>);
 static_assert(std::is_same_v<rebind_t<CellFieldOf<float>, double>, CellField>);
 
-TEMPLATE_TEST_CASE("fields: extents, aligned rows, storage of their own for every point and halo", "", CellField,
-                   XFaceField, YFaceField, CornerField, CellFieldOf<float>, CornerFieldOf<float>) {
+TEMPLATE_TEST_CASE("fields: extents, aligned rows, storage of their own for every point and halo", "",
+                   CellField, XFaceField, YFaceField, CornerField, CellFieldOf<float>, CornerFieldOf<float>) {
   using T = typename TestType::value_type;
-  for (const Patch& p : {Patch{1, 1, 1, 0, 0}, Patch{7, 5, 1, 0, 0}, Patch{128, 3, 1, 0, 0}, Patch{511, 2, 1, 0, 0}}) {
+  for (const Patch& p :
+       {Patch{1, 1, 1, 0, 0}, Patch{7, 5, 1, 0, 0}, Patch{128, 3, 1, 0, 0}, Patch{511, 2, 1, 0, 0}}) {
     TestType f(p);
     CHECK(f.nx() == p.nx + (TestType::location == At::xface || TestType::location == At::corner));
     CHECK(f.ny() == p.ny + (TestType::location == At::yface || TestType::location == At::corner));

@@ -33,9 +33,9 @@ double largest(const Velocity& w) {
 TEST_CASE("monotonised-central slopes: a table") {
   CHECK(limited(1, 1) == 1);
   CHECK(limited(1, 2) == 1.5);
-  CHECK(limited(1, 9) == 2);    // twice the smaller
+  CHECK(limited(1, 9) == 2);  // twice the smaller
   CHECK(limited(-9, -1) == -2);
-  CHECK(limited(3, -1) == 0);   // an extremum
+  CHECK(limited(3, -1) == 0);  // an extremum
   CHECK(limited(0, 5) == 0);
 }
 
@@ -113,5 +113,6 @@ TEST_CASE("the flag of uniform density sees one cell each way") {
   CellFieldOf<float> flag(p);
   for (int j = 0; j < p.ny; ++j) uniform_density_row(density, j, flag.row(j));
   for (int j = 0; j < p.ny; ++j)
-    for (int i = 0; i < p.nx; ++i) CHECK(flag(i, j) == (std::abs(i - 4) <= 1 && std::abs(j - 3) <= 1 ? 0.0f : 1.0f));
+    for (int i = 0; i < p.nx; ++i)
+      CHECK(flag(i, j) == (std::abs(i - 4) <= 1 && std::abs(j - 3) <= 1 ? 0.0f : 1.0f));
 }

@@ -1,6 +1,6 @@
 // The viscous and the pressure operator on one patch: energies, exactness, relaxation, transfers between levels.
-#include <catch2/catch.hpp>
 #include <algorithm>
+#include <catch2/catch.hpp>
 
 #include "tests/support/boundaries.hpp"
 #include "tests/support/make_operator.hpp"
@@ -13,7 +13,8 @@ const Patch odd{9, 7, 0.37, -1, 2};
 const Patch even{10, 8, 0.37, -1, 2};
 
 /// The bilinear form whose matrix A is, straight from the definition: x, y with zeros beyond the patch.
-double energy_form(const ViscousCoefficients<double>& a, const Velocity& x, const Velocity& y, bool periodic) {
+double energy_form(const ViscousCoefficients<double>& a, const Velocity& x, const Velocity& y,
+                   bool periodic) {
   const int nx = a.eta_c.nx(), ny = a.eta_c.ny();
   double sum = 0;
   const int faces = periodic ? nx : nx + 1;
@@ -81,7 +82,9 @@ TEST_CASE("the viscous operator is exact for quadratic velocities and linear vis
   const double eta_0 = 3, eta_x = 0.7, eta_y = -0.4, mass = 0.11;
   const auto eta = [&](double x, double y) { return eta_0 + eta_x * x + eta_y * y; };
   const auto u = [](double x, double y) { return 1 + 2 * x - y + 0.3 * x * x - 0.8 * x * y + 0.5 * y * y; };
-  const auto v = [](double x, double y) { return -2 + 0.6 * x + y - 0.9 * x * x + 0.2 * x * y - 0.7 * y * y; };
+  const auto v = [](double x, double y) {
+    return -2 + 0.6 * x + y - 0.9 * x * x + 0.2 * x * y - 0.7 * y * y;
+  };
   // div(2 eta D) with D from u and v above; arithmetic corners are exact where eta is linear.
   const auto force_x = [&](double x, double y) {
     const double dxu = 2 + 0.6 * x - 0.8 * y, shear = (-1 - 0.8 * x + y) + (0.6 - 1.8 * x + 0.2 * y);
@@ -98,12 +101,12 @@ TEST_CASE("the viscous operator is exact for quadratic velocities and linear vis
   double worst = 0;
   for (int j = 1; j < odd.ny - 1; ++j)
     for (int i = 1; i < odd.nx; ++i)
-      worst = std::max(worst, std::abs(aw.u(i, j) - mass * w.u(i, j) +
-                                       area * force_x(odd.x_corner(i), odd.y_centre(j))));
+      worst = std::max(
+          worst, std::abs(aw.u(i, j) - mass * w.u(i, j) + area * force_x(odd.x_corner(i), odd.y_centre(j))));
   for (int j = 1; j < odd.ny; ++j)
     for (int i = 1; i < odd.nx - 1; ++i)
-      worst = std::max(worst, std::abs(aw.v(i, j) - mass * w.v(i, j) +
-                                       area * force_y(odd.x_centre(i), odd.y_corner(j))));
+      worst = std::max(
+          worst, std::abs(aw.v(i, j) - mass * w.v(i, j) + area * force_y(odd.x_centre(i), odd.y_corner(j))));
   CHECK(worst < 1e-13);
 }
 
@@ -120,10 +123,11 @@ TEST_CASE("a body that moves as a whole feels no viscous force, whatever its vis
       for (int i = 0; i < row_of(f, k).n; ++i) m = std::max(m, std::abs(row_of(f, k).data[i]));
     return m;
   };
-  const Velocity still = sampled(odd, [&](double, double) { return U; }, [&](double, double) { return V; });
+  const Velocity still = sampled(
+      odd, [&](double, double) { return U; }, [&](double, double) { return V; });
   CHECK(largest_force(still) == 0);  // differences come first: exact, in float too
-  const Velocity rotation =
-      sampled(odd, [&](double, double y) { return U - omega * y; }, [&](double x, double) { return V + omega * x; });
+  const Velocity rotation = sampled(
+      odd, [&](double, double y) { return U - omega * y; }, [&](double x, double) { return V + omega * x; });
   CHECK(largest_force(rotation) < 1e8 * 1e-14);  // eta eps u
 }
 
@@ -154,10 +158,12 @@ TEST_CASE("relaxation of the viscous rows is Gauss-Seidel") {
           for (int k = 0; k < 2; ++k) {
             VelocityOf<T> before = plain;
             const VelocityOf<T> ax = apply(a, before);
-            const auto sweep = [&](auto& out, const auto& now, const auto& rhs, const auto& force, const auto& inv) {
+            const auto sweep = [&](auto& out, const auto& now, const auto& rhs, const auto& force,
+                                   const auto& inv) {
               for (int j = 0; j < out.ny(); ++j)
                 for (int i = 0; i < out.nx(); ++i)
-                  if (colour_of(i, j, out.nx()) == colour) out(i, j) = now(i, j) + inv(i, j) * (rhs(i, j) - force(i, j));
+                  if (colour_of(i, j, out.nx()) == colour)
+                    out(i, j) = now(i, j) + inv(i, j) * (rhs(i, j) - force(i, j));
             };
             if (k == 0) sweep(plain.u, before.u, b.u, ax.u, a.inverse_diagonal.u);
             if (k == 1) sweep(plain.v, before.v, b.v, ax.v, a.inverse_diagonal.v);
@@ -167,7 +173,8 @@ TEST_CASE("relaxation of the viscous rows is Gauss-Seidel") {
         double worst = 0;
         for (int k = 0; k < row_count(x); ++k)
           for (int i = 0; i < row_of(x, k).n; ++i)
-            worst = std::max(worst, std::abs(double(row_of(x, k).data[i]) - double(row_of(plain, k).data[i])));
+            worst =
+                std::max(worst, std::abs(double(row_of(x, k).data[i]) - double(row_of(plain, k).data[i])));
         CHECK(worst < tolerance);
       }
   };
@@ -211,7 +218,8 @@ TEST_CASE("restriction of the viscous residual is the transpose of prolongation"
     Team alone;
     restrict_viscous(alone, r, coarser, rc);
     prolong_viscous(alone, c, coarser, a.inverse_diagonal, pc);
-    const double there = inner_product(pc, r, boundary.periodic_x), here = inner_product(c, rc, boundary.periodic_x);
+    const double there = inner_product(pc, r, boundary.periodic_x),
+                 here = inner_product(c, rc, boundary.periodic_x);
     CHECK(std::abs(there - here) < 1e-12);
   }
 }
@@ -221,7 +229,8 @@ TEST_CASE("prolongation reproduces rigid motions, and linear flow, inside") {
   const auto u = [](double x, double y) { return 0.4 + 0.3 * x - 2.1 * y; };
   const auto v = [](double x, double y) { return -0.8 + 2.1 * x + 1.3 * y; };
   const Boundary open = all_kinds_of_boundaries(fine_patch.nx, fine_patch.ny)[4].boundary;
-  const auto a = viscous_coefficients<double>(fine_patch, open, [](double, double) { return 1.0; }, 1.0);
+  const auto a = viscous_coefficients<double>(
+      fine_patch, open, [](double, double) { return 1.0; }, 1.0);
   const Velocity exact = sampled(fine_patch, u, v), coarse = sampled(coarse_patch, u, v);
   Velocity fine(fine_patch);
   Team alone;
@@ -230,7 +239,8 @@ TEST_CASE("prolongation reproduces rigid motions, and linear flow, inside") {
   for (int j = 1; j < fine_patch.ny - 1; ++j)
     for (int i = 0; i <= fine_patch.nx; ++i) worst = std::max(worst, std::abs(fine.u(i, j) - exact.u(i, j)));
   for (int j = 0; j <= fine_patch.ny; ++j)
-    for (int i = 1; i < fine_patch.nx - 1; ++i) worst = std::max(worst, std::abs(fine.v(i, j) - exact.v(i, j)));
+    for (int i = 1; i < fine_patch.nx - 1; ++i)
+      worst = std::max(worst, std::abs(fine.v(i, j) - exact.v(i, j)));
   CHECK(worst < 1e-13);
 }
 
@@ -242,7 +252,9 @@ TEST_CASE("coarse viscous coefficients: constants stay, masses add up, values st
     const Boundary coarser = boundary.coarser();
     Team alone;
     ViscousCoefficients<double> coarse(fine_patch.coarser());
-    coarsen_viscous(alone, viscous_coefficients<double>(fine_patch, boundary, [](double, double) { return 3.0; }, 0.5),
+    coarsen_viscous(alone,
+                    viscous_coefficients<double>(
+                        fine_patch, boundary, [](double, double) { return 3.0; }, 0.5),
                     boundary.periodic_x, coarse);
     for (int j = 0; j < coarse.eta_c.ny(); ++j)
       for (int i = 0; i < coarse.eta_c.nx(); ++i) CHECK(coarse.eta_c(i, j) == Approx(3).epsilon(1e-14));
@@ -255,7 +267,8 @@ TEST_CASE("coarse viscous coefficients: constants stay, masses add up, values st
     const auto fine = random_viscous<double>(fine_patch, boundary, noise, 1e8);
     coarsen_viscous(alone, fine, boundary.periodic_x, coarse);
     for (int j = 0; j < coarse.eta_c.ny(); ++j)
-      for (int i = 0; i < coarse.eta_c.nx(); ++i) CHECK((coarse.eta_c(i, j) >= 1 && coarse.eta_c(i, j) <= 1e8));
+      for (int i = 0; i < coarse.eta_c.nx(); ++i)
+        CHECK((coarse.eta_c(i, j) >= 1 && coarse.eta_c(i, j) <= 1e8));
   }
 }
 
@@ -329,9 +342,11 @@ TEST_CASE("relaxation of the pressure rows is red-black Gauss-Seidel") {
         for (int j = 0; j < p.ny; ++j)
           for (int i = 0; i < p.nx; ++i) {
             if (colour_of(i, j, p.nx) != colour) continue;
-            const double w = a.beta.u(i, j), e = a.beta.u(i + 1, j), s = a.beta.v(i, j), n = a.beta.v(i, j + 1);
-            plain(i, j) = (b(i, j) + e * old(i + 1, j) + w * old(i - 1, j) + n * old(i, j + 1) + s * old(i, j - 1)) /
-                          (w + e + s + n);
+            const double w = a.beta.u(i, j), e = a.beta.u(i + 1, j), s = a.beta.v(i, j),
+                         n = a.beta.v(i, j + 1);
+            plain(i, j) =
+                (b(i, j) + e * old(i + 1, j) + w * old(i - 1, j) + n * old(i, j + 1) + s * old(i, j - 1)) /
+                (w + e + s + n);
           }
         wrap(plain);
       }
@@ -342,7 +357,8 @@ TEST_CASE("relaxation of the pressure rows is red-black Gauss-Seidel") {
     }
 }
 
-TEST_CASE("coarse pressure coefficients are means of faces, and an orifice of one cell stays open on every level") {
+TEST_CASE(
+    "coarse pressure coefficients are means of faces, and an orifice of one cell stays open on every level") {
   const int n = 32;
   Patch p{n, n, 1, 0, 0};
   Boundary b = all_kinds_of_boundaries(n, n)[0].boundary;
@@ -384,5 +400,6 @@ TEST_CASE("the pressure's restriction sums cells") {
   for (int j = 0; j < 4; ++j)
     for (int i = 0; i < 6; ++i)
       CHECK(coarse(i, j) == Approx(fine(2 * i, 2 * j) + fine(2 * i + 1, 2 * j) + fine(2 * i, 2 * j + 1) +
-                                   fine(2 * i + 1, 2 * j + 1)).margin(1e-15));
+                                   fine(2 * i + 1, 2 * j + 1))
+                                .margin(1e-15));
 }

@@ -45,16 +45,17 @@ TEST_CASE("granular viscosity is mu(I) P / |γ̇|") {
   for (const Grain& g : {medium, low, smooth_beads, Grain{0.5, 0.3, 0.3, 1e-3, 1500}})
     for (int k = 0; k < 50; ++k) {
       const double rate = noise.logarithmic(1e-8, 1e3), pressure = noise.logarithmic(1e-6, 1e4);
-      const double eta = granular_viscosity(rate, pressure, g.mu_s, g.delta_mu, g.I_0, g.diameter * std::sqrt(g.density));
+      const double eta =
+          granular_viscosity(rate, pressure, g.mu_s, g.delta_mu, g.I_0, g.diameter * std::sqrt(g.density));
       CHECK(eta == Approx(mu_of_I(inertial_number(rate, pressure, g), g) * pressure / rate).epsilon(1e-12));
     }
 }
 
 TEST_CASE("cell viscosity: between its limits, and at them for the stated reasons") {
   CHECK(viscosity(4, 3, 1, medium) == Approx(mu_of_I(2 / std::sqrt(3.), medium) * 3 / 2));
-  CHECK(viscosity(0, 3, 1, medium) == limits.eta_max);       // rest under pressure
-  CHECK(viscosity(0, 0, 1, medium) == limits.eta_min);       // no pressure: starts to flow
-  CHECK(viscosity(4, -3, 1, medium) == limits.eta_min);      // tension bears nothing
+  CHECK(viscosity(0, 3, 1, medium) == limits.eta_max);   // rest under pressure
+  CHECK(viscosity(0, 0, 1, medium) == limits.eta_min);   // no pressure: starts to flow
+  CHECK(viscosity(4, -3, 1, medium) == limits.eta_min);  // tension bears nothing
   CHECK(viscosity(4, 3, 0, medium) == limits.air);
   CHECK(viscosity(0, 3, 0.25, medium) == Approx(0.25 * limits.eta_max + 0.75 * limits.air));
   const ViscosityLimits raised{1, 1e6, 0.0164, 5};
@@ -118,8 +119,9 @@ TEST_CASE("corner viscosity: harmonic and arithmetic means, weights of walls, wr
 }
 
 TEST_CASE("well-posedness: C(I) changes sign at the published ends of the range") {
-  for (const auto& [grain, first, last] :
-       {std::tuple{low, 0.0623, 1.00}, {smooth_beads, 0.0136, 1.81}, {Grain{0.342, 0.215, 0.069}, 0.00397, 0.280}}) {
+  for (const auto& [grain, first, last] : {std::tuple{low, 0.0623, 1.00},
+                                           {smooth_beads, 0.0136, 1.81},
+                                           {Grain{0.342, 0.215, 0.069}, 0.00397, 0.280}}) {
     CHECK(well_posedness(0.9 * first, grain) > 0);
     CHECK(well_posedness(1.1 * first, grain) < 0);
     CHECK(well_posedness(0.9 * last, grain) < 0);

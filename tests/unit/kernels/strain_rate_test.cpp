@@ -49,7 +49,7 @@ CellField smoothed(CellField f, const std::vector<SmoothingPass>& passes, bool p
 }  // namespace
 
 TEST_CASE("shear rate: pure shear, pure strain, both, and none in rigid rotation") {
-  expect_everywhere(of_linear_flow(0, 1.5, 0, 0), 1.5 * 1.5);      // |γ̇| is du/dy
+  expect_everywhere(of_linear_flow(0, 1.5, 0, 0), 1.5 * 1.5);  // |γ̇| is du/dy
   expect_everywhere(of_linear_flow(0, 0, -0.4, 0), 0.4 * 0.4);
   expect_everywhere(of_linear_flow(1.5, 0, 0, -1.5), 4 * 1.5 * 1.5);
   expect_everywhere(of_linear_flow(0, -2.3, 2.3, 0), 0);
@@ -66,12 +66,14 @@ TEST_CASE("shear rate beside walls and openings, through the halo") {
     CellField gamma2(patch);
     Team alone;
     shear_rate_squared(alone, u, v, gamma2);
-    expect_everywhere([&] {  // inside, nothing is sheared
-      CellField inside(patch);
-      for (int j = 1; j < ny - 1; ++j)
-        for (int i = 0; i < nx; ++i) inside(i, j) = gamma2(i, j);
-      return inside;
-    }(), 0);
+    expect_everywhere(
+        [&] {  // inside, nothing is sheared
+          CellField inside(patch);
+          for (int j = 1; j < ny - 1; ++j)
+            for (int i = 0; i < nx; ++i) inside(i, j) = gamma2(i, j);
+          return inside;
+        }(),
+        0);
     for (int i = 0; i < nx; ++i) {
       // Corner shear w u / h (2 u / h on a no-slip wall), mean of four corners.
       const double low = 0.25 * (b.bottom.shear[i] + b.bottom.shear[i + 1]) / patch.h;
@@ -155,8 +157,8 @@ TEST_CASE("smoothing is a mean over grains: constants stay beside walls and air,
       CellField share(p), product(p);
       for (int j = 0; j < p.ny; ++j)
         for (int i = 0; i < p.nx; ++i) {
-          share(i, j) = j > 10 ? 0 : j == 10 ? noise(0, 1) : 1;        // a free surface
-          const double rate = j > 9 ? 1e9 * share(i, j) : 1;            // what air does must not count
+          share(i, j) = j > 10 ? 0 : j == 10 ? noise(0, 1) : 1;  // a free surface
+          const double rate = j > 9 ? 1e9 * share(i, j) : 1;     // what air does must not count
           product(i, j) = (j == 10 ? 1 : rate) * share(i, j);
         }
       const auto passes = smoothing_passes(length, p.h);

@@ -77,7 +77,8 @@ TEST_CASE("mirrored orifices make mirrored boundaries, on every level") {
   }
 }
 
-TEST_CASE("velocity halos: mirrored with a change of sign at no-slip walls, copied where it slips or is open") {
+TEST_CASE(
+    "velocity halos: mirrored with a change of sign at no-slip walls, copied where it slips or is open") {
   Scene s = square(8, {{Side::bottom, 4, 2}});
   s.rheology.orifice_edge = EdgeRule::free;
   const Boundary b = boundary_of(s);
@@ -90,7 +91,8 @@ TEST_CASE("velocity halos: mirrored with a change of sign at no-slip walls, copi
   for (int i = 0; i < 8; ++i) CHECK((v(i, -1) == 1 && v(i, 9) == 1));
 }
 
-TEST_CASE("one projection of noise is solenoidal: orifices of one cell and none, closed, periodic, on odd grids") {
+TEST_CASE(
+    "one projection of noise is solenoidal: orifices of one cell and none, closed, periodic, on odd grids") {
   for (int n : {16, 20, 33}) {
     for (const auto& walls : {std::array{Wall::no_slip, Wall::no_slip, Wall::no_slip, Wall::open},
                               std::array{Wall::no_slip, Wall::free_slip, Wall::no_slip, Wall::no_slip},
@@ -102,7 +104,8 @@ TEST_CASE("one projection of noise is solenoidal: orifices of one cell and none,
       s.threads = 1;
       const SolveStats stats = project_noise(s);
       INFO(n << " cells, left " << wall_names[static_cast<int>(walls[0])] << ", top "
-             << wall_names[static_cast<int>(walls[3])] << ": " << stats.final << " after " << stats.iterations);
+             << wall_names[static_cast<int>(walls[3])] << ": " << stats.final << " after "
+             << stats.iterations);
       CHECK(stats.converged);
       CHECK(stats.final <= 1.01 * stats.tolerance);
       s.orifices.clear();

@@ -19,21 +19,24 @@ namespace {
 
 constexpr double dt = 0.0548;  // of the silo scenes
 
-bool in_disc(double x, double y, double radius) { return (x - 0.5) * (x - 0.5) + (y - 0.5) * (y - 0.5) < radius * radius; }
+bool in_disc(double x, double y, double radius) {
+  return (x - 0.5) * (x - 0.5) + (y - 0.5) * (y - 0.5) < radius * radius;
+}
 
 /// Two media in the unit square; (i, j) is the cell that (x, y) lies in.
 struct Pattern {
   const char* name;
   std::function<bool(double x, double y, int i, int j)> stiff;
   double soft_density;  // of the stiff medium: 1
-  int most;             // iterations to 1e-6 measured at most, 64^2 to 512^2, contrasts 1 to 1e8, and two more
-  int spread;           // between grids at one contrast, likewise
+  int most;    // iterations to 1e-6 measured at most, 64^2 to 512^2, contrasts 1 to 1e8, and two more
+  int spread;  // between grids at one contrast, likewise
 };
 const std::vector<Pattern>& patterns() {
   static const std::vector<Pattern> list{
       {"disc in air", [](double x, double y, int, int) { return in_disc(x, y, 0.15); }, 1e-3, 26, 8},
       {"disc in grains", [](double x, double y, int, int) { return in_disc(x, y, 0.15); }, 1, 24, 6},
-      {"wide disc", [](double x, double y, int, int) { return in_disc(x, y, 0.4); }, 1, 28, 10},  // narrow gaps
+      {"wide disc", [](double x, double y, int, int) { return in_disc(x, y, 0.4); }, 1, 28,
+       10},  // narrow gaps
       {"layer on the bottom", [](double, double y, int, int) { return y < 0.25; }, 1, 14, 4},
       {"layer on a side", [](double x, double, int, int) { return x < 0.25; }, 1, 14, 4},
   };
@@ -172,8 +175,8 @@ TEST_CASE("the viscous V-cycle is symmetric and positive definite at every bound
     }
 }
 
-TEMPLATE_TEST_CASE("the cycle's fused legs equal plain sweeps, on any number of threads", "", ViscousLevel<double>,
-                   PoissonLevel<double>) {
+TEMPLATE_TEST_CASE("the cycle's fused legs equal plain sweeps, on any number of threads", "",
+                   ViscousLevel<double>, PoissonLevel<double>) {
   Noise noise;
   for (const Patch& p : {Patch{24, 20, 1, 0, 0}, Patch{14, 66, 1, 0, 0}})
     for (const auto& [name, boundary] : all_kinds_of_boundaries(p.nx, p.ny)) {
@@ -243,28 +246,33 @@ static void check_pressure_iterations(const std::vector<int>& grids) {
       std::vector<int> counts;
       for (int n : grids) counts.push_back(pressure_iterations<float>(n, orifice_cells, air));
       INFO("orifice of " << orifice_cells << " cells, air " << air << ": " << text(counts));
-      figure("pressure iterations to 1e-6 | orifice %d | air %.0e | %s", orifice_cells, air, text(counts).c_str());
+      figure("pressure iterations to 1e-6 | orifice %d | air %.0e | %s", orifice_cells, air,
+             text(counts).c_str());
       CHECK(*std::max_element(counts.begin(), counts.end()) <= 9);
       CHECK(spread(counts) <= 4);
     }
 }
 
-TEST_CASE("viscous iterations do not depend on the grid or the contrast") { check_viscous_iterations({64, 128}); }
+TEST_CASE("viscous iterations do not depend on the grid or the contrast") {
+  check_viscous_iterations({64, 128});
+}
 TEST_CASE("viscous iterations do not depend on the grid or the contrast: large grids", "[slow]") {
   check_viscous_iterations({64, 128, 256, 512});
 }
 TEST_CASE("pressure iterations do not depend on the grid, the density jump or the orifice") {
   check_pressure_iterations({64, 128});
 }
-TEST_CASE("pressure iterations do not depend on the grid, the density jump or the orifice: large grids", "[slow]") {
+TEST_CASE("pressure iterations do not depend on the grid, the density jump or the orifice: large grids",
+          "[slow]") {
   check_pressure_iterations({64, 128, 256, 512});
 }
 
 TEST_CASE("a checkerboard of small stiff blocks is where the multigrid ends") {
   // Every block can move by itself, more than coarse grids can tell: counts grow with contrast and grid, and at 1e6
   // 300 iterations do not suffice. Pinned, so that a change shows.
-  const Pattern checkerboard{"checkerboard of 4 h", [](double, double, int i, int j) { return ((i / 4 + j / 4) & 1) != 0; },
-                             1, 0, 0};
+  const Pattern checkerboard{"checkerboard of 4 h",
+                             [](double, double, int i, int j) { return ((i / 4 + j / 4) & 1) != 0; }, 1, 0,
+                             0};
   for (const auto& [contrast, most] : {std::pair{1.0, 10}, {1e2, 36}, {1e4, 160}})
     for (int n : {64, 128}) {
       const int count = viscous_iterations<float>(n, checkerboard, contrast, 1e-6);
@@ -279,7 +287,8 @@ TEST_CASE("float is as good as double inside the preconditioner") {
       const int narrow = viscous_iterations<float>(128, pattern, contrast, 1e-3);
       const int wide = viscous_iterations<double>(128, pattern, contrast, 1e-3);
       INFO(pattern.name << ", contrast " << contrast);
-      figure("viscous iterations to 1e-3 | %-19s | %.0e | float %d double %d", pattern.name, contrast, narrow, wide);
+      figure("viscous iterations to 1e-3 | %-19s | %.0e | float %d double %d", pattern.name, contrast, narrow,
+             wide);
       CHECK(std::abs(narrow - wide) <= 1);
     }
   for (int orifice_cells : {1, 8}) {
