@@ -12,6 +12,7 @@
 #include <vtkOutputWindow.h>
 #include <vtkPNGWriter.h>
 #include <vtkRenderer.h>
+#include <vtkTextProperty.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkWindowToImageFilter.h>
 
@@ -107,6 +108,20 @@ void draw_png(vtkAbstractContextItem& item, int width, int height, const std::fi
   vtkUnsignedCharArray* bytes = png->GetResult();
   write_atomically(path, {reinterpret_cast<const char*>(bytes->GetPointer(0)),
                           static_cast<std::size_t>(bytes->GetNumberOfValues())});
+}
+
+void style_text(vtkTextProperty* text, int size) {
+  // VTK's own fonts lack √ and superscripts.
+  static const char* const font = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+  static const bool there = std::filesystem::exists(font);
+  if (there) {
+    text->SetFontFamily(VTK_FONT_FILE);
+    text->SetFontFile(font);
+  } else {
+    text->SetFontFamilyToArial();
+  }
+  text->SetFontSize(size);
+  text->SetColor(40 / 255.0, 40 / 255.0, 40 / 255.0);
 }
 
 }  // namespace hourglass

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 class vtkAbstractContextItem;
+class vtkTextProperty;
 
 namespace hourglass {
 
@@ -22,5 +23,8 @@ enum class Edges { crisp, smooth };
 /// OpenGL is missing, std::runtime_error if the file cannot be written.
 void draw_png(vtkAbstractContextItem& item, int width, int height, const std::filesystem::path& path,
               Edges edges = Edges::smooth);
+
+/// The type of all pictures, in dark grey.
+void style_text(vtkTextProperty* text, int size);
 
 }  // namespace hourglass

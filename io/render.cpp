@@ -35,24 +35,10 @@ constexpr Colour black{0, 0, 0}, white{255, 255, 255}, dark{40, 40, 40}, grey{15
 
 enum class Align { begin, middle, end };
 
-void style(vtkTextProperty* text, int size) {
-  // VTK's own fonts lack √ and superscripts.
-  static const char* const font = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
-  static const bool there = std::filesystem::exists(font);
-  if (there) {
-    text->SetFontFamily(VTK_FONT_FILE);
-    text->SetFontFile(font);
-  } else {
-    text->SetFontFamilyToArial();
-  }
-  text->SetFontSize(size);
-  text->SetColor(dark[0] / 255.0, dark[1] / 255.0, dark[2] / 255.0);
-}
-
 int text_width(const std::string& text, int size) {
   if (text.empty()) return 0;
   vtkNew<vtkTextProperty> property;
-  style(property, size);
+  style_text(property, size);
   int box[4] = {0, 0, 0, 0};
   vtkTextRenderer::GetInstance()->GetBoundingBox(property, text, box, 72);
   return box[1] - box[0] + 1;
@@ -67,7 +53,7 @@ int widest(const std::vector<Tick>& ticks) {
 /// A line of text that reads upwards. VTK turns text too, but cuts off its tall letters.
 vtkNew<vtkImageData> upright_text(const std::string& text, int size) {
   vtkNew<vtkTextProperty> property;
-  style(property, size);
+  style_text(property, size);
   vtkNew<vtkImageData> level, turned;
   int extent[2];
   vtkTextRenderer::GetInstance()->RenderString(property, text, level, extent, 72);
@@ -389,7 +375,7 @@ class Painting : public vtkContextItem {
                    Align up) {
     if (what.empty()) return;
     vtkNew<vtkTextProperty> property;
-    style(property, size);
+    style_text(property, size);
     property->SetJustification(static_cast<int>(across));
     property->SetVerticalJustification(static_cast<int>(up));
     context->ApplyTextProp(property);

@@ -1,0 +1,135 @@
+// The preconditioner and the solves: legs of a cycle, a whole V-cycle, the coefficients of the coarse levels, a solve. The
+// plain twin of a cycle sweeps level by level, pass by pass (perf/plain.hpp).
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "perf/harness.hpp"
+#include "perf/plain_cycle.hpp"
+#include "solver/boundary_of.hpp"
+#include "solver/projection.hpp"
+#include "solver/viscous_solve.hpp"
+#include "tests/support/make_operator.hpp"
+#include "tests/support/make_scene.hpp"
+
+using namespace hourglass;
+using perf::Case;
+using perf::PlainCycle;
+
+namespace {
+
+using V = ViscousLevel<float>;
+using P = PoissonLevel<float>;
+
+/// Bytes a cell of the finest level. See README.md for how they come about.
+template <class Level>
+struct Bytes;
+template <>
+struct Bytes<V> {
+  static constexpr double descend = 48, ascend = 50, cycle = 144, coarsen = 35, held = 64;
+};
+template <>
+struct Bytes<P> {
+  static constexpr double descend = 24, ascend = 28, cycle = 76, coarsen = 17, held = 32;
+};
+
+constexpr double float_rounding = 1e-3;  // of a cycle at contrast 1e3
+
+template <class Level>
+void random_coefficients(Level& level) {
+  Noise noise;
+  if constexpr (std::is_same_v<Level, V>) {
+    level.a = random_viscous<float>(level.x.patch(), level.boundary(), noise, 1e3);
+  } else {
+    level.a = random_poisson<float>(level.x.patch(), level.boundary(), noise, 1e3);
+  }
+  fill_random(level.b, noise);
+  for (int k = 0; k < row_count(level.b); ++k) level.mask(level.b, k);
+}
+
+template <class Level>
+struct Twins {
+  Multigrid<Level> fast;
+  PlainCycle<Level> plain;
+  explicit Twins(const Scene& scene)
+      : fast(scene.patch(), boundary_of(scene)), plain(scene.patch(), boundary_of(scene)) {
+    random_coefficients(fast.finest());
+    plain.finest().a = fast.finest().a;
+    plain.finest().b = fast.finest().b;
+    plain.coarsen();
+    Team alone;
+    fast.coarsen(alone);
+  }
+};
+
+template <class Level>
+Case cycle(int n) {
+  const auto s = std::make_shared<Twins<Level>>(silo(n));
+  Case c{Bytes<Level>::cycle,
+         Bytes<Level>::held * 4 / 3,
+         [s](Team& team) { s->fast.cycle(team); },
+         [s] { s->plain.cycle(); },
+         {},
+         float_rounding};
+  c.difference = [s, c] {
+    Team alone;
+    c.fast(alone);
+    c.plain();
+    return perf::relative_difference(s->fast.finest().x, s->plain.finest().x);
+  };
+  return c;
+}
+
+/// One leg on the finest level; both twins start from x = 0 or from what a descent has left.
+template <class Level>
+Case leg(int n, bool down) {
+  const auto s = std::make_shared<Twins<Level>>(silo(n));
+  Case c{down ? Bytes<Level>::descend : Bytes<Level>::ascend, Bytes<Level>::held, {}, {}, {}, float_rounding};
+  if (down) {
+    c.fast = [s](Team& team) { s->fast.finest().descend(team, 2); };
+    c.plain = [s] { s->plain.descend(0); };
+  } else {
+    c.fast = [s](Team& team) { s->fast.finest().ascend(team, s->plain.level(1), 2); };
+    c.plain = [s] { s->plain.ascend(0); };
+  }
+  c.difference = [s, c] {
+    Noise noise;
+    Level& coarse = s->plain.level(1);
+    fill_random(coarse.x, noise);
+    for (int k = 0; k < row_count(coarse.x); ++k) coarse.mask(coarse.x, k);
+    for (Level* level : {&s->fast.finest(), &s->plain.finest()}) level->x.fill(0);
+    Team alone;
+    c.fast(alone);
+    c.plain();
+    return perf::relative_difference(s->fast.finest().x, s->plain.finest().x);
+  };
+  return c;
+}
+
+template <class Level>
+Case coarsen(int n) {
+  const auto s = std::make_shared<Twins<Level>>(silo(n));
+  // No twin: once a step, and what it does is tested by tests/unit.
+  return {Bytes<Level>::coarsen,
+          Bytes<Level>::held,
+          [s](Team& team) { s->fast.coarsen(team); },
+          {},
+          [] { return 0.0; },
+          0};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  perf::start(argc, argv);
+  const std::vector<int> sizes{128, 256, 512, 1024};
+  perf::add("viscous_descend", sizes, [](int n) { return leg<V>(n, true); });
+  perf::add("viscous_ascend", sizes, [](int n) { return leg<V>(n, false); });
+  perf::add("viscous_cycle", sizes, cycle<V>);
+  perf::add("viscous_coarsen", sizes, coarsen<V>);
+  perf::add("poisson_descend", sizes, [](int n) { return leg<P>(n, true); });
+  perf::add("poisson_ascend", sizes, [](int n) { return leg<P>(n, false); });
+  perf::add("poisson_cycle", sizes, cycle<P>);
+  perf::add("poisson_coarsen", sizes, coarsen<P>);
+  return perf::finish();
+}
