@@ -73,7 +73,7 @@ void blended_viscosity_row(const double* gamma2, const double* p, const double* 
 
 /// Corner viscosity from the cells around it, times the shear weight at boundaries. Harmonic: numerics P2
 /// (best observed order of the discharge). in: eta_c of the interior (wrapped halo where periodic); out: row
-/// j of eta_n.
+/// j of eta_n. 8 B/cell (float).
 template <class T>
 void corner_viscosity_row(const CellFieldOf<T>& eta_c, const Boundary& boundary, bool harmonic, int j,
                           CornerFieldOf<T>& eta_n) {

@@ -58,7 +58,7 @@ inline std::vector<SmoothingPass> smoothing_passes(double length, double h) {
 
 /// One pass in x over rows of (numerator, weight): a <- a (1 - 2w) + w (a_left + a_right); points outside the
 /// patch are left out of both, so that their ratio stays a mean over the grains inside (boundary-aware). Rows
-/// of this member.
+/// of this member. 16 B/cell, as the pass in y.
 inline void smooth_row(double* __restrict row, int n, SmoothingPass pass, bool periodic,
                        double* __restrict scratch) {
   const int s = pass.stride;

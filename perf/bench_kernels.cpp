@@ -1,5 +1,6 @@
-// Each hot kernel against its plain twin and the triad, on 1 and 2 threads. Bytes a cell are those of the kernels'
-// contracts: what a pass over a patch larger than any cache reads and writes. `--roofline=FILE.png` draws the result.
+// Each hot kernel against its plain twin and the triad, on 1 and 2 threads. Bytes a cell are those of the
+// kernels' contracts: what a pass over a patch larger than any cache reads and writes. `--roofline=FILE.png`
+// draws the result.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -21,7 +22,8 @@ namespace {
 Patch square(int n) { return {n, n, 1.0 / n, 0, 0}; }
 Boundary silo_boundary(int n) { return all_kinds_of_boundaries(n, n)[2].boundary; }
 
-/// A level with random coefficients and right-hand side, the next coarser one, and a copy of the unknown for the twin.
+/// A level with random coefficients and right-hand side, the next coarser one, and a copy of the unknown for
+/// the twin.
 template <class Level>
 struct Levels {
   Level fine, coarse;
@@ -67,7 +69,7 @@ Case relax(int n) {
   constexpr bool viscous = std::is_same_v<Level, ViscousLevel<float>>;
   const auto s = std::make_shared<Levels<Level>>(n);
   Case c{viscous ? 128.0 : 48.0,
-         viscous ? 48.0 : 20.0,
+         viscous ? 40.0 : 20.0,
          [s](Team& team) { s->fine.relax(team, s->fine.x, s->fine.b, false); },
          [s] { plain::relax(s->fine.a, s->twin, s->fine.b, false); },
          {},
@@ -130,7 +132,8 @@ Case prolongation(int n) {
   return c;
 }
 
-/// Grains below a wavy surface in a solenoidal flow at Courant numbers up to 1/4, and what the explicit stages need.
+/// Grains below a wavy surface in a solenoidal flow at Courant numbers up to 1/4, and what the explicit
+/// stages need.
 struct Flow {
   Boundary boundary;
   Velocity w, advected, advected_twin;
@@ -197,7 +200,7 @@ Case vof_sweep(int n) {
       return s->w.v;
   }
   ();
-  Case c{60, 36, {}, {}, {}, 0.03};
+  Case c{60, 28, {}, {}, {}, 0.03};
   c.fast = [s, &flux, &velocity](Team& team) {
     if (team.leads()) s->dt_h = -s->dt_h;  // there and back, so that many sweeps do not wear the surface away
     team.sync();
@@ -210,8 +213,8 @@ Case vof_sweep(int n) {
   c.plain = [s, &flux, &velocity] {
     plain::vof_sweep<face>(s->twin, velocity, s->twin_dt_h = -s->twin_dt_h, s->owner, flux);
   };
-  // The share of cells that differ, from noise. In some of a hundred cells two of the six candidate lines fit equally
-  // well, for the misfit is a sum of magnitudes, and rounding chooses.
+  // The share of cells that differ, from noise. In some of a hundred cells two of the six candidate lines fit
+  // equally well, for the misfit is a sum of magnitudes, and rounding chooses.
   c.difference = [s, c] {
     Team alone;
     double off = 0;

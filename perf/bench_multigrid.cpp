@@ -1,5 +1,5 @@
-// The preconditioner and the solves: legs of a cycle, a whole V-cycle, the coefficients of the coarse levels, a solve. The
-// plain twin of a cycle sweeps level by level, pass by pass (perf/plain.hpp).
+// The preconditioner and the solves: legs of a cycle, a whole V-cycle, the coefficients of the coarse levels,
+// a solve. The plain twin of a cycle sweeps level by level, pass by pass (perf/plain.hpp).
 #include <fmt/format.h>
 
 #include <memory>
@@ -26,11 +26,11 @@ template <class Level>
 struct Bytes;
 template <>
 struct Bytes<V> {
-  static constexpr double descend = 48, ascend = 50, cycle = 144, coarsen = 35, held = 64;
+  static constexpr double descend = 48, ascend = 50, cycle = 144, coarsen = 35, held = 48;
 };
 template <>
 struct Bytes<P> {
-  static constexpr double descend = 24, ascend = 28, cycle = 76, coarsen = 17, held = 32;
+  static constexpr double descend = 24, ascend = 28, cycle = 76, coarsen = 17, held = 24;
 };
 
 constexpr double float_rounding = 1e-3;  // of a cycle at contrast 1e3

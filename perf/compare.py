@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
 """What moved between two runs of a benchmark program: compare.py OLD.json NEW.json [--band PER_CENT]
 
-The files come from --benchmark_format=json. Shown are ratios (to the plain twin, to the triad of the same run, two threads
-to one), which tell of the code; rates, which tell of the machine as well, with --rates; and what is counted (iterations,
-allocations) when it changed at all."""
+The files come from --benchmark_format=json. Shown are ratios (to the plain twin, to the triad of the same run, two
+threads to one), which tell of the code; rates, which tell of the machine as well, with --rates; and what is counted
+(iterations, allocations) when it changed at all."""
 import argparse
 import json
 
 RATIOS = ("x_plain", "%roof", "speedup_2")
 RATES = ("cells/s", "triad_GB/s")
 COUNTS = ("allocs/step", "viscous_its", "pressure_its", "B/cell")
+BY_THE_WAY = ("cells/s_2", "%roof_2", "exponent", "exponent_raw", "of_one_thread")
 
 
 def read(text):
@@ -17,7 +18,7 @@ def read(text):
     cases = {}
     for run in json.loads(text)["benchmarks"]:
         name = run["name"].removesuffix("/manual_time").removesuffix("/iterations:1")
-        cases[name] = {key: value for key, value in run.items() if key in RATIOS + RATES + COUNTS}
+        cases[name] = {key: value for key, value in run.items() if key in RATIOS + RATES + COUNTS + BY_THE_WAY}
     return cases
 
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <map>
 
 #include "io/provenance.hpp"
@@ -19,8 +20,9 @@ std::vector<Result> all_results;
 
 double seconds_of(const Job& job, int times) {
   const auto start = Clock::now();
-  job(times);
-  return seconds_since(start);
+  const double ran = thread_seconds();
+  job.run(times);
+  return job.one_thread ? thread_seconds() - ran : seconds_since(start);
 }
 
 void measure(benchmark::State& state, const std::string& name, const Case& c, int threads) {
@@ -34,9 +36,9 @@ void measure(benchmark::State& state, const std::string& name, const Case& c, in
   std::vector<Job> jobs{on_threads(threads, c.fast),
                         on_threads(threads, [&](Team& team) { triad.run(team); })};
   if (c.plain)
-    jobs.push_back([&](int times) {
+    jobs.push_back({[&](int times) {
       for (int k = 0; k < times; ++k) c.plain();
-    });
+    }});
   for (auto _ : state) {
     const auto turns = take_turns(jobs);
     const double fast = median(turns[0]);
@@ -53,6 +55,12 @@ void measure(benchmark::State& state, const std::string& name, const Case& c, in
 
 }  // namespace
 
+double thread_seconds() {
+  timespec t{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -66,7 +74,7 @@ double median_ratio(const std::vector<double>& a, const std::vector<double>& b) 
 }
 
 Job on_threads(int threads, std::function<void(Team&)> body) {
-  return [threads, body = std::move(body)](int times) {
+  const auto run = [threads, body = std::move(body)](int times) {
     parallel(threads, [&](Team& team) {
       for (int k = 0; k < times; ++k) {
         body(team);
@@ -74,6 +82,7 @@ Job on_threads(int threads, std::function<void(Team&)> body) {
       }
     });
   };
+  return {run, threads == 1};
 }
 
 std::vector<std::vector<double>> take_turns(const std::vector<Job>& jobs) {
@@ -82,7 +91,7 @@ std::vector<std::vector<double>> take_turns(const std::vector<Job>& jobs) {
   static const double budget = std::stod(flag("seconds", "0.2"));
   std::vector<int> times;
   for (const Job& job : jobs) {
-    job(1);
+    job.run(1);
     const double once = std::min(seconds_of(job, 1), seconds_of(job, 1));
     times.push_back(std::clamp(static_cast<int>(slice / once), 1, 1000000));
   }

@@ -1,7 +1,8 @@
 #pragma once
-// What the benchmark programs share. A case runs a kernel, its plain twin and the triad in turns of about half a
-// millisecond, for what disturbs the machine disturbs neighbours alike; figures are medians over turns, and ratios are
-// medians of ratios within a turn. One iteration of Google Benchmark is one such series; its "time" is the median.
+// What the benchmark programs share. A case runs a kernel, its plain twin and the triad in turns of about
+// half a millisecond, for what disturbs the machine disturbs neighbours alike; figures are medians over
+// turns, and ratios are medians of ratios within a turn. One iteration of Google Benchmark is one such
+// series; its "time" is the median.
 #include <benchmark/benchmark.h>
 
 #include <functional>
@@ -17,8 +18,14 @@ double median(std::vector<double> values);
 /// Median of a[k] / b[k].
 double median_ratio(const std::vector<double>& a, const std::vector<double>& b);
 
-/// Runs a job so many times.
-using Job = std::function<void(int times)>;
+/// Seconds that this thread has run: what a neighbour takes of its core is not in it. Of a job on more
+/// threads the wall clock tells.
+double thread_seconds();
+
+struct Job {
+  std::function<void(int times)> run;
+  bool one_thread = true;
+};
 /// Runs `body` on a team; one region for all times, as in a stage of the solver.
 Job on_threads(int threads, std::function<void(Team&)> body);
 
@@ -52,8 +59,8 @@ void wrong(benchmark::State& state, const std::string& what);
 /// The value of --NAME=..., or otherwise. Ask after start().
 std::string flag(const std::string& name, const std::string& otherwise = "");
 
-/// Takes our own flags (--seconds=0.2 a case, and what flag() asks for) from the command line, hands the others to Google
-/// Benchmark, and notes compiler, flags and revision.
+/// Takes our own flags (--seconds=0.2 a case, and what flag() asks for) from the command line, hands the
+/// others to Google Benchmark, and notes compiler, flags and revision.
 void start(int argc, char** argv, const std::vector<std::string>& own_flags = {});
 /// Runs what is registered; the exit status.
 int finish();

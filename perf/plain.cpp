@@ -3,7 +3,8 @@
 namespace hourglass::plain {
 namespace {
 
-/// f(i) for the points of one colour in a row of n, counted from the nearer end (take_colour in kernels/velocity.hpp).
+/// f(i) for the points of one colour in a row of n, counted from the nearer end (take_colour in
+/// kernels/velocity.hpp).
 template <class F>
 void each_of_colour(int n, int j, int colour, F f) {
   const int half = (n + 1) / 2, first = (colour + j) & 1;
@@ -11,7 +12,8 @@ void each_of_colour(int n, int j, int colour, F f) {
   for (int i = n - 1 - first; i >= half; i -= 2) f(i);
 }
 
-/// x(i, j) = value(i, j) at the points of one colour. Two points at the middle of a row may share it: old values first.
+/// x(i, j) = value(i, j) at the points of one colour. Two points at the middle of a row may share it: old
+/// values first.
 template <class F, class Value>
 void update(F& x, int colour, Value value) {
   thread_local std::vector<float> fresh;

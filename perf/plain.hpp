@@ -1,6 +1,6 @@
 #pragma once
-// The plain twin of each hot kernel: the formula at every point, in scalar code, one pass after the other. What a kernel
-// must equal to rounding, and what its speed is counted in. Not for periodic patches.
+// The plain twin of each hot kernel: the formula at every point, in scalar code, one pass after the other.
+// What a kernel must equal to rounding, and what its speed is counted in. Not for periodic patches.
 #include "kernels/momentum.hpp"
 #include "kernels/poisson.hpp"
 #include "kernels/rheology.hpp"
@@ -23,7 +23,8 @@ void relax(const Poisson& a, CellUnknown& x, const CellUnknown& b, bool reversed
 void residual(const Viscous& a, const FaceUnknown& x, const FaceUnknown& b, FaceUnknown& r);
 void residual(const Poisson& a, const CellUnknown& x, const CellUnknown& b, CellUnknown& r);
 
-/// fine += P coarse on unknown points, and coarse = the transpose of that (the pressure's: the sum of four cells).
+/// fine += P coarse on unknown points, and coarse = the transpose of that (the pressure's: the sum of four
+/// cells).
 void prolong(const FaceUnknown& coarse, const Boundary& coarse_boundary, const FaceUnknown& inverse_diagonal,
              FaceUnknown& fine);
 void restrict(const FaceUnknown& fine, const Boundary& coarse_boundary, FaceUnknown& coarse);

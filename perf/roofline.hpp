@@ -1,6 +1,6 @@
 #pragma once
-// The roofline (Williams, Waterman & Patterson 2009) in the units of this solver: cells a second over bytes a cell, so
-// that a bandwidth is a straight line and no operation need be counted.
+// The roofline (Williams, Waterman & Patterson 2009) in the units of this solver: cells a second over bytes a
+// cell, so that a bandwidth is a straight line and no operation need be counted.
 #include <filesystem>
 #include <string>
 #include <vector>

@@ -1,6 +1,6 @@
 #pragma once
-// The triad of STREAM (McCalpin 1995), the measure of what memory gives: 24 B an element. What a store reads first
-// is not counted, here as in the kernels.
+// The triad of STREAM (McCalpin 1995), the measure of what memory gives: 24 B an element. What a store reads
+// first is not counted, here as in the kernels.
 #include <cstddef>
 #include <vector>
 
