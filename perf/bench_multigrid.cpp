@@ -21,16 +21,19 @@ namespace {
 using V = ViscousLevel<float>;
 using P = PoissonLevel<float>;
 
-/// Bytes a cell of the finest level. See README.md for how they come about.
+/// Bytes a cell of the finest level; of a solve, an iteration and what comes once. README.md says how they
+/// come about.
 template <class Level>
 struct Bytes;
 template <>
 struct Bytes<V> {
-  static constexpr double descend = 48, ascend = 50, cycle = 144, coarsen = 35, held = 48;
+  static constexpr double descend = 48, ascend = 50, cycle = 144, coarsen = 35, held = 48, iteration = 296,
+                          once = 56;
 };
 template <>
 struct Bytes<P> {
-  static constexpr double descend = 24, ascend = 28, cycle = 76, coarsen = 17, held = 24;
+  static constexpr double descend = 24, ascend = 28, cycle = 76, coarsen = 17, held = 24, iteration = 148,
+                          once = 192;
 };
 
 constexpr double float_rounding = 1e-3;  // of a cycle at contrast 1e3
@@ -118,6 +121,70 @@ Case coarsen(int n) {
           0};
 }
 
+/// Noise in the silo: one solve from zero to the tolerances of a step. Half of the grains
+/// are at rest, eta_max, half flow.
+template <class Solver>
+struct Solve {
+  Scene scene;
+  Boundary boundary = boundary_of(scene);
+  Solver solver{scene.patch(), boundary};
+  CellField eta{scene.patch()}, density{scene.patch()}, p{scene.patch()};
+  Velocity noise{scene.patch()}, w{scene.patch()}, x{scene.patch()};
+  SolveStats stats;
+  static constexpr bool viscous = std::is_same_v<Solver, ViscousSolve<float>>;
+
+  explicit Solve(int n) : scene(silo(n)) {
+    const Patch patch = scene.patch();
+    for (int j = -halo; j < n + halo; ++j)
+      for (int i = -halo; i < n + halo; ++i) {
+        const double beside = std::abs(patch.x_centre(i) - 75), y = patch.y_centre(j);
+        eta(i, j) = y > 135 ? scene.air.viscosity : beside < 10 + y / 2 ? 100 : scene.rheology.eta_max;
+        density(i, j) = y > 135 ? scene.air.density : 1;
+      }
+    Noise random;
+    fill_random(noise, random);
+    Team alone;
+    if constexpr (viscous) {
+      solver.assemble(alone, eta, true, density, scene.time.dt_max);
+    } else {
+      solver.assemble(alone, density);
+      solver.add_gravity_and_pressure(alone, p, {0, 0}, 0, noise);  // zero on walls
+    }
+    run(alone);
+  }
+  void run(Team& team) {
+    const Rows rows = team.rows(row_count(w));
+    for (int k = rows.begin; k < rows.end; ++k) {
+      const auto from = row_of(noise, k);
+      std::copy(from.data, from.data + from.n, row_of(w, k).data);
+      std::fill(row_of(x, k).data, row_of(x, k).data + from.n, 0.0);
+    }
+    team.sync();
+    const SolveStats s = [&] {
+      if constexpr (viscous) {
+        return solver.solve(team, w, x, scene.accuracy.viscous_tolerance, 0, 100);
+      } else {
+        return solver.solve(team, scene.time.dt_max, scene.accuracy.pressure_tolerance, 100, w, p);
+      }
+    }();
+    if (team.leads()) stats = s;
+  }
+};
+
+template <class Solver>
+Case solve(int n) {
+  using Level = std::conditional_t<Solve<Solver>::viscous, V, P>;
+  const auto s = std::make_shared<Solve<Solver>>(n);
+  const int iterations = s->stats.iterations;
+  return {Bytes<Level>::once + Bytes<Level>::iteration * iterations,
+          Bytes<Level>::held * 4 / 3 + 48,
+          [s](Team& team) { s->run(team); },
+          {},
+          [s] { return s->stats.converged ? 0.0 : 1.0; },
+          0,
+          static_cast<double>(iterations)};
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -127,9 +194,11 @@ int main(int argc, char** argv) {
   perf::add("viscous_ascend", sizes, [](int n) { return leg<V>(n, false); });
   perf::add("viscous_cycle", sizes, cycle<V>);
   perf::add("viscous_coarsen", sizes, coarsen<V>);
+  perf::add("viscous_solve", sizes, solve<ViscousSolve<float>>);
   perf::add("poisson_descend", sizes, [](int n) { return leg<P>(n, true); });
   perf::add("poisson_ascend", sizes, [](int n) { return leg<P>(n, false); });
   perf::add("poisson_cycle", sizes, cycle<P>);
   perf::add("poisson_coarsen", sizes, coarsen<P>);
+  perf::add("poisson_solve", sizes, solve<Projection<float>>);
   return perf::finish();
 }

@@ -9,7 +9,7 @@ import json
 
 RATIOS = ("x_plain", "%roof", "speedup_2")
 RATES = ("cells/s", "triad_GB/s")
-COUNTS = ("allocs/step", "viscous_its", "pressure_its", "B/cell")
+COUNTS = ("its", "allocs/step", "viscous_its", "pressure_its", "B/cell")
 BY_THE_WAY = ("cells/s_2", "%roof_2", "exponent", "exponent_raw", "of_one_thread")
 
 

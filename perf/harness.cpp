@@ -47,6 +47,7 @@ void measure(benchmark::State& state, const std::string& name, const Case& c, in
     state.counters["B/cell"] = c.bytes;
     state.counters["triad_GB/s"] = triad.bytes() / median(turns[1]) / 1e9;
     state.counters["%roof"] = 100 * cells * c.bytes / triad.bytes() * median_ratio(turns[1], turns[0]);
+    if (c.iterations > 0) state.counters["its"] = c.iterations;
     if (c.plain) state.counters["x_plain"] = median_ratio(turns[2], turns[0]);
     all_results.push_back({name, n, threads, c.bytes, cells / fast, c.plain ? cells / median(turns[2]) : 0});
   }

@@ -5,6 +5,7 @@
 // series; its "time" is the median.
 #include <benchmark/benchmark.h>
 
+#include <cmath>
 #include <functional>
 #include <string>
 #include <vector>
@@ -40,6 +41,7 @@ struct Case {
   std::function<void()> plain;         ///< may be empty
   std::function<double()> difference;  ///< runs both from the same state; relative to the largest value
   double tolerance;                    ///< of the difference
+  double iterations = 0;               ///< of a solve
 };
 
 struct Result {
@@ -75,7 +77,8 @@ double relative_difference(const F& a, const F& b) {
     const auto x = row_of(a, k), y = row_of(b, k);
     for (int i = 0; i < x.n; ++i) {
       const double off = std::abs(static_cast<double>(x.data[i]) - static_cast<double>(y.data[i]));
-      worst = off <= worst ? worst : off;  // a NaN stays
+      if (std::isnan(off)) return off;
+      worst = std::max(worst, off);
       largest = std::max(largest, std::abs(static_cast<double>(y.data[i])));
     }
   }
