@@ -50,18 +50,45 @@ using namespace hourglass;
 
 namespace {
 
-/// Both velocity components of a solenoidal field stay solenoidal: linear along a component's direction,
-/// constant across.
+/// Twice as fine: shares by their straight interfaces, the rest linear (the first step projects the
+/// velocity).
 void refine(const Fields& coarse, Fields& fine) {
-  const auto mean = [](const auto& f, int i, int j, int k, int l) { return 0.5 * (f(i, j) + f(k, l)); };
-  for (int j = 0; j < fine.u.ny(); ++j)
-    for (int i = 0; i < fine.u.nx(); ++i) fine.u(i, j) = mean(coarse.u, i / 2, j / 2, (i + 1) / 2, j / 2);
-  for (int j = 0; j < fine.v.ny(); ++j)
-    for (int i = 0; i < fine.v.nx(); ++i) fine.v(i, j) = mean(coarse.v, i / 2, j / 2, i / 2, (j + 1) / 2);
-  for (int j = 0; j < fine.p.ny(); ++j)
-    for (int i = 0; i < fine.p.nx(); ++i) {
-      fine.p(i, j) = coarse.p(i / 2, j / 2);
-      fine.grains(i, j) = coarse.grains(i / 2, j / 2);
+  Fields from = coarse;
+  const int nx = from.patch().nx, ny = from.patch().ny;
+  fill_vof_halo(false, {0, ny}, from.grains);
+  // i even lies between coarse points where the location is staggered in x, at a quarter beside one where it
+  // is not.
+  const auto linear = [](const auto& f, bool staggered_x, bool staggered_y, int i, int j) {
+    const auto points = [](bool staggered, int k, int n) {  // two coarse points and the weight of the first
+      const int near = k / 2, other = staggered ? (k + 1) / 2 : k % 2 == 0 ? near - 1 : near + 1;
+      return std::tuple{near, std::clamp(other, 0, n - 1), staggered ? 0.5 : 0.75};
+    };
+    const auto [i0, i1, wx] = points(staggered_x, i, f.nx());
+    const auto [j0, j1, wy] = points(staggered_y, j, f.ny());
+    return wy * (wx * f(i0, j0) + (1 - wx) * f(i1, j0)) + (1 - wy) * (wx * f(i0, j1) + (1 - wx) * f(i1, j1));
+  };
+  const auto each = [](auto& f, auto value) {
+    for (int j = 0; j < f.ny(); ++j)
+      for (int i = 0; i < f.nx(); ++i) f(i, j) = value(i, j);
+  };
+  each(fine.u, [&](int i, int j) { return linear(from.u, true, false, i, j); });
+  each(fine.v, [&](int i, int j) { return linear(from.v, false, true, i, j); });
+  each(fine.p, [&](int i, int j) { return linear(from.p, false, false, i, j); });
+  for (int j = 0; j < ny; ++j)
+    for (int i = 0; i < nx; ++i) {
+      const double share = from.grains(i, j);
+      Block block;
+      gather<At::xface>(
+          i, j, [&](int a, int b) { return from.grains(a, b); }, block);
+      const Line line = share > 0 && share < 1 ? reconstruct(block) : Line{};
+      for (int b : {0, 1})
+        for (int a : {0, 1}) {  // quarters, counted from the corner that the grains fill first
+          const double x = 0.5 * (line.nx < 0 ? 1 - a : a), y = 0.5 * (line.ny < 0 ? 1 - b : b);
+          const bool straight = line.nx != 0 || line.ny != 0;
+          const double quarter =
+              area_in_rectangle(std::abs(line.nx), std::abs(line.ny), line.alpha, x, y, 0.5, 0.5);
+          fine.grains(2 * i + a, 2 * j + b) = straight ? std::clamp(4 * quarter, 0.0, 1.0) : share;
+        }
     }
 }
 
@@ -157,7 +184,7 @@ Seconds timed(const std::function<void()>& f) {
 struct Cost {
   double cells, seconds, triad;  // B/s
 };
-std::vector<Cost> costs;  // of the developed flow, one thread
+std::map<std::string, std::vector<Cost>> costs;  // by flow, on one thread
 
 void step(benchmark::State& state, const Phase& what) {
   const int n = static_cast<int>(state.range(0));
@@ -223,16 +250,15 @@ void step(benchmark::State& state, const Phase& what) {
   // What the cycles alone would cost in plain code: a lower bound of the speed-up, for there is no plain
   // step.
   state.counters["x_plain"] = perf::median_ratio(plain, ran);
-  if (what.name == std::string("developed"))
-    costs.push_back({cells, t1, triad.bytes() / perf::median(stream[0])});
+  costs[what.name].push_back({cells, t1, triad.bytes() / perf::median(stream[0])});
 }
 
-/// Seconds a step grow as cells^exponent; and with the triad's rate at each size divided out. Least squares
-/// from 256^2 on.
+/// Seconds a step grow as cells^exponent: as they are (raw), and with the triad's rate at each size divided
+/// out. Least squares from 256^2 on.
 void exponent(benchmark::State& state) {
-  const auto slope = [](auto&& cost) {
+  const auto slope = [](const std::vector<Cost>& flow, auto&& cost) {
     double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
-    for (const Cost& c : costs) {
+    for (const Cost& c : flow) {
       if (c.cells < 256 * 256) continue;
       const double x = std::log(c.cells), y = std::log(cost(c));
       n += 1, sx += x, sy += y, sxx += x * x, sxy += x * y;
@@ -240,8 +266,10 @@ void exponent(benchmark::State& state) {
     return n > 1 ? (n * sxy - sx * sy) / (n * sxx - sx * sx) : std::nan("");
   };
   for (auto _ : state) state.SetIterationTime(0);
-  state.counters["exponent"] = slope([](const Cost& c) { return c.seconds * c.triad; });
-  state.counters["exponent_raw"] = slope([](const Cost& c) { return c.seconds; });
+  for (const auto& [name, flow] : costs) {
+    state.counters[name] = slope(flow, [](const Cost& c) { return c.seconds * c.triad; });
+    state.counters[name + "_raw"] = slope(flow, [](const Cost& c) { return c.seconds; });
+  }
 }
 
 /// Somebody else keeps the last core busy: what a run on two threads then takes, over the same run on one.

@@ -40,7 +40,7 @@ class Chart : public vtkContextItem {
   };
   std::vector<Kernel> kernels;  ///< by rising bytes a cell
   int small = 0, large = 0;     ///< the grids drawn
-  std::array<double, 2> x{4, 160}, y{1e7, 3e10};
+  std::array<double, 2> x{4, 160}, y{5e6, 3e10};
 
   bool Paint(vtkContext2D* context) override {
     c_ = context;

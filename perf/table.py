@@ -50,11 +50,8 @@ def main():
         kernels(cases)
         steps(cases)
         for case, counters in cases.items():
-            for key in ("exponent", "exponent_raw", "of_one_thread"):
-                if key in counters:
-                    print(f"{case} {key}: {counters[key]:.3f}")
-            if case.startswith("stream/"):
-                print(f"{case}: {counters['triad_GB/s']:.1f} GB/s")
+            if case.startswith(("stream/", "step/exponent", "step/neighbour")):
+                print(f"{case}: " + ", ".join(f"{key} {value:.3g}" for key, value in counters.items()))
 
 
 if __name__ == "__main__":
