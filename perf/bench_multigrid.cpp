@@ -1,7 +1,5 @@
 // The preconditioner and the solves: legs of a cycle, a whole V-cycle, the coefficients of the coarse levels,
 // a solve. The plain twin of a cycle sweeps level by level, pass by pass (perf/plain.hpp).
-#include <fmt/format.h>
-
 #include <memory>
 
 #include "perf/harness.hpp"

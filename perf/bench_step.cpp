@@ -2,8 +2,6 @@
 // to the last bit, so each pair of steps gives a speed-up. States: the developed flow; the first 50 steps; a
 // nearly empty silo. Every allocation within a step is counted. `--most=2048` adds finer grids; `--steps=N`
 // sets the steps measured.
-#include <fmt/format.h>
-#include <malloc.h>
 #include <pthread.h>
 
 #include <atomic>
@@ -11,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <thread>
+#include <tuple>
 
 #include "perf/harness.hpp"
 #include "perf/plain_cycle.hpp"
@@ -19,7 +18,7 @@
 #include "solver/timers.hpp"
 #include "tests/support/make_scene.hpp"
 
-// ---- allocations: glibc's functions under their own names, counted --------------------------------------------------
+// ---- allocations: glibc's functions under their own names, counted ----------------------------------------
 
 static std::atomic<long> allocations{0};
 
@@ -56,8 +55,8 @@ void refine(const Fields& coarse, Fields& fine) {
   Fields from = coarse;
   const int nx = from.patch().nx, ny = from.patch().ny;
   fill_vof_halo(false, {0, ny}, from.grains);
-  // i even lies between coarse points where the location is staggered in x, at a quarter beside one where it
-  // is not.
+  // Along an axis that a location is staggered in, i lies on a coarse point or between two; else a quarter
+  // of a coarse cell beside one.
   const auto linear = [](const auto& f, bool staggered_x, bool staggered_y, int i, int j) {
     const auto points = [](bool staggered, int k, int n) {  // two coarse points and the weight of the first
       const int near = k / 2, other = staggered ? (k + 1) / 2 : k % 2 == 0 ? near - 1 : near + 1;
@@ -272,7 +271,8 @@ void exponent(benchmark::State& state) {
   }
 }
 
-/// Somebody else keeps the last core busy: what a run on two threads then takes, over the same run on one.
+/// Somebody else keeps the last core busy: what a run on two threads then takes, over the same run on one;
+/// all of its steps, and the later half, when it has had time to find out.
 void neighbour(benchmark::State& state) {
   const Phase what{"developed", 30, 0};
   const int n = static_cast<int>(state.range(0)), steps = 100;
@@ -286,11 +286,13 @@ void neighbour(benchmark::State& state) {
     while (!done) {
     }
   });
-  double seconds[2] = {0, 0};
+  double seconds[2] = {0, 0}, later[2] = {0, 0};
   for (auto _ : state) {
     for (int k = 0; k < steps; ++k)
       for (int t : {0, 1}) {
-        seconds[t] += timed([&] { (t == 0 ? one : two)->step(); }).wall;
+        const double wall = timed([&] { (t == 0 ? one : two)->step(); }).wall;
+        seconds[t] += wall;
+        if (k >= steps / 2) later[t] += wall;
       }
     state.SetIterationTime(seconds[1] / steps);
   }
@@ -298,6 +300,7 @@ void neighbour(benchmark::State& state) {
   busy.join();
   if (!same(one->fields(), two->fields())) return perf::wrong(state, "two threads differ from one");
   state.counters["of_one_thread"] = seconds[1] / seconds[0];
+  state.counters["later"] = later[1] / later[0];
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ import json
 RATIOS = ("x_plain", "%roof", "speedup_2")
 RATES = ("cells/s", "triad_GB/s")
 COUNTS = ("its", "allocs/step", "viscous_its", "pressure_its", "B/cell")
-BY_THE_WAY = ("cells/s_2", "%roof_2", "of_one_thread", "developed", "developed_raw",
+BY_THE_WAY = ("cells/s_2", "%roof_2", "of_one_thread", "later", "developed", "developed_raw",
               "start", "start_raw", "empty", "empty_raw")
 
 
