@@ -18,6 +18,9 @@ class Projection {
   /// u* += Δt (g - β ∂p) on unknown faces. in: p halo 0 (wrapped where periodic); inout: w, interior.
   void add_gravity_and_pressure(Team& team, const CellField& p, std::array<double, 2> gravity, double dt,
                                 Velocity& w) const;
+  /// The same on row k (row_of) alone, without a sync.
+  void add_gravity_and_pressure_row(const CellField& p, std::array<double, 2> gravity, double dt, Velocity& w,
+                                    int k) const;
 
   /// in: w = u**, 0 on walls; out: w solenoidal to max |div w| dt <= tolerance, p updated (halo wrapped where
   /// periodic). The statistics are in units of div dt.
