@@ -27,7 +27,8 @@ using Clock = std::chrono::steady_clock;
 namespace {
 
 constexpr const char* log_name = "run.log";
-constexpr const char* log_mark = "hourglass";  ///< in the first line of every run.log
+constexpr std::size_t summary_room = 64 << 10;  ///< bytes; a summary takes 2 KiB and its warnings
+constexpr const char* log_mark = "hourglass";   ///< in the first line of every run.log
 constexpr const char* file_names[] = {log_name,      "scene.yaml",    "series.csv",  "fields.h5",
                                       "fields.xdmf", "checkpoint.h5", "summary.json"};
 
@@ -149,6 +150,7 @@ struct RunFolder::Impl {
     fs::create_directories(path, error);
     if (error) throw std::runtime_error(fmt::format("{}: {}", path.string(), error.message()));
     log = open_log(path / log_name);
+    reserve_write(path / "summary.json", summary_room);
     const Provenance p = provenance(scene.threads);
     log->info("{} {}, revision {}: scene '{}'", log_mark, p.version, p.revision, scene.name);
     log->info("{} ({}), SIMD width {} bits: {}", p.compiler, p.build_type, p.simd_bits, p.flags);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <new>
 #include <stdexcept>
 
 #include "solver/diagnostics.hpp"
@@ -70,6 +71,18 @@ class Run {
   }
 
   Summary to_end() {
+    try {
+      steps();
+    } catch (const std::bad_alloc&) {
+      fail("out of memory");
+    } catch (const std::exception& error) {  // of an observer: the disk is full, say
+      fail(error.what());
+    }
+    return summarise();
+  }
+
+ private:
+  void steps() {
     StepReport report;
     report.t = s_.t;
     tell(report);
@@ -97,10 +110,13 @@ class Run {
       outside_ += seconds_since(after);
     }
     if (summary_.status != Status::diverged || not_finite(s_.fields).empty()) tell_end(report);
-    return summarise();
   }
-
- private:
+  void fail(const std::string& reason) {
+    if (summary_.status == Status::diverged)
+      warn(reason);
+    else
+      end(Status::interrupted, reason);
+  }
   void end(Status status, const std::string& reason) {
     ended_ = true;
     summary_.status = status;
