@@ -38,6 +38,8 @@ class Cadence {
     last_ = t;
     return true;
   }
+  /// t, or the due time that it differs from by rounding only.
+  double snapped(double t) const { return std::abs(t - next_) < 1e-12 * next_ ? next_ : t; }
   /// Whether the end of the run at t still has to be shown.
   bool owes(double t) const { return interval_ > 0 && last_ < t; }
 
@@ -90,6 +92,9 @@ class Run {
       const auto start = Clock::now();
       try {
         report = simulation_.step(scene_.time.end > 0 ? scene_.time.end : 1e300);
+        if (report.limit != DtLimit::end)
+          for (const Cadence* cadence : {&series_, &frames_, &pictures_}) s_.t = cadence->snapped(s_.t);
+        report.t = s_.t;
       } catch (const std::runtime_error& error) {
         end(Status::diverged, error.what());
         break;
