@@ -106,7 +106,7 @@ struct Output {
   double series_every = 0.27;     ///< [T]
   double fields_every = 5.48;     ///< [T]; 0: none
   double snapshots_every = 5.48;  ///< [T]; 0: none
-  std::vector<std::string> fields{"speed", "pressure", "tracer"};
+  std::vector<std::string> fields{"speed", "pressure", "grains", "tracer"};
   bool operator==(const Output&) const = default;
 };
 
