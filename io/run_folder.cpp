@@ -43,12 +43,16 @@ bool is_snapshot(const fs::path& path) {
                      [&](const FieldInfo& info) { return match[1] == info.name; });
 }
 
-/// What a run wrote, or would write, into this folder.
+/// What a run wrote, or would write, into this folder. Empty files do not count: they are what a full disk
+/// leaves of a run that could not begin.
 std::vector<fs::path> files_of_run(const fs::path& folder) {
+  const auto holds_something = [](const fs::path& path) {
+    return fs::is_regular_file(path) && !fs::is_empty(path);
+  };
   std::vector<fs::path> found;
   for (const char* name : file_names) {
     for (const char* suffix : {"", ".new"}) {  // .new: a killed run may leave one behind
-      if (fs::path path = folder / fmt::format("{}{}", name, suffix); fs::is_regular_file(path))
+      if (fs::path path = folder / fmt::format("{}{}", name, suffix); holds_something(path))
         found.push_back(path);
     }
   }

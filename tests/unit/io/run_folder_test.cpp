@@ -189,6 +189,16 @@ TEST_CASE("files that no run wrote are never replaced", "[io]") {
   CHECK_THROWS_AS(RunFolder(small_silo(), "", {"/proc/nowhere/x", false, true}), std::runtime_error);
 }
 
+TEST_CASE("a run that could not begin does not stand in the way of the next", "[io]") {
+  const Folder folder;
+  fs::create_directories(folder.path);
+  for (const char* name : {"run.log", "summary.json.new"}) std::ofstream(folder.path / name);
+  Scene scene = small_silo();
+  scene.time.max_steps = 1;
+  CHECK(run(scene, {folder.path, false, true}).steps == 1);
+  CHECK_FALSE(fs::exists(folder.path / "summary.json.new"));
+}
+
 TEST_CASE("JSON escapes text and keeps every digit", "[io]") {
   CHECK(json_string("a \"b\" \\ \n ü") == "\"a \\\"b\\\" \\\\ \\u000a ü\"");
   CHECK(json_number(NAN) == "null");
