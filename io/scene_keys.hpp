@@ -87,6 +87,7 @@ void visit_scene(Visitor& v, Scene& s) {
     if (preset >= 0) s.accuracy = accuracy_presets[preset];
   } else {
     v.map("accuracy", [&] {
+      v.preset("preset", s.accuracy, accuracy_names, accuracy_presets);
       v.number("viscous_tolerance", s.accuracy.viscous_tolerance);
       v.number("pressure_tolerance", s.accuracy.pressure_tolerance);
       v.integer("max_iterations", s.accuracy.max_iterations);

@@ -31,8 +31,7 @@ inline double granular_viscosity(double gamma_dot, double pressure, double mu_s,
   return mu * pressure / rate;
 }
 
-/// C(I) of Barker, Schaeffer, Bohorquez & Gray 2015: the equations are well posed where C <= 0 (numerics
-/// 4.1).
+/// C(I) of Barker, Schaeffer, Bohorquez & Gray 2015: the equations are well posed where C <= 0.
 inline double well_posedness(double I, const Grain& g) {
   const double mu = mu_of_I(I, g);
   const double mu_prime = g.delta_mu * g.I_0 / ((g.I_0 + I) * (g.I_0 + I));

@@ -10,8 +10,8 @@
 namespace hourglass {
 
 /// |γ̇|^2 in cells: 2 (dx u)^2 + 2 (dy v)^2 + (mean over the four corners of dy u + dx v)^2 [1/T^2]. The mean
-/// before the square takes out the shortest wave (numerics 1.1). in: u, v, halo 1 filled by
-/// fill_velocity_halo; out: interior cells. Rows of this member. 2 reads + 1 write: 24 B/cell.
+/// before the square takes out the shortest wave. in: u, v, halo 1 filled by fill_velocity_halo; out:
+/// interior cells. Rows of this member. 2 reads + 1 write: 24 B/cell.
 inline void shear_rate_squared(Team& team, const XFaceField& u, const YFaceField& v, CellField& gamma2) {
   const int nx = gamma2.nx(), ny = gamma2.ny();
   const double inv_h = 1 / gamma2.patch().h;
@@ -39,9 +39,10 @@ struct SmoothingPass {
   double weight;  ///< w <= 1/4
 };
 
-/// Passes whose variances 2 w stride^2 h^2 add up to length^2 / 2: one 1-2-1 pass is length h, the filter
-/// that numerics P1 found to work. Strides double (a trous), so the number of passes grows with the logarithm
-/// of length / h. halo = 2 bounds nothing here: strides reach into the patch only.
+/// Passes whose variances 2 w stride^2 h^2 add up to length^2 / 2: one 1-2-1 pass is length h
+/// (docs/theory.md, Ill-posedness; docs/accuracy.md measures lengths). Strides double (a trous), so the
+/// number of passes grows with the logarithm of length / h. halo = 2 bounds nothing here: strides reach into
+/// the patch only.
 inline std::vector<SmoothingPass> smoothing_passes(double length, double h) {
   std::vector<SmoothingPass> passes;
   double variance = 0.5 * (length / h) * (length / h);  // in h^2
