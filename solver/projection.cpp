@@ -99,8 +99,6 @@ SolveStats Projection<T>::solve(Team& team, double dt, double tolerance, int max
   const double to_div = dt / q_.patch().h;
   measure_divergence(team, w);
   const Rows rows = team.rows(q_.ny());
-  for (int j = rows.begin; j < rows.end; ++j) std::fill(q_.row(j) - halo, q_.row(j) + q_.nx() + halo, 0.0);
-  team.sync();
   const double floor = 64 * 2.2e-16 * speed_.max();
   const StopRule rule{Measure::maximum, std::max(tolerance / to_div, floor), max_iterations};
   SolveStats stats = krylov_.solve(team, multigrid_, rhs_, q_, rule);
@@ -133,10 +131,15 @@ SolveStats Projection<T>::solve(Team& team, double dt, double tolerance, int max
     if (boundary.periodic_x) wrap_row(row.data, q_.nx());
   }
   const double to_p = q_.patch().h / dt;
+  team.sync();  // q is read across rows above
   for (int j = rows.begin; j < rows.end; ++j) {
-    const double* q = q_.row(j);
-    double* out = p.row(j);
-    for (int i = 0; i < q_.nx(); ++i) out[i] += to_p * (q[i] - mean);
+    double *q = q_.row(j), *out = p.row(j);
+#pragma omp simd
+    for (int i = 0; i < q_.nx(); ++i) {
+      q[i] -= mean;
+      out[i] += to_p * q[i];
+    }
+    if (boundary.periodic_x) wrap_row(q, q_.nx());
     if (boundary.periodic_x) wrap_row(out, q_.nx());
   }
   team.sync();

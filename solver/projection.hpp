@@ -22,6 +22,9 @@ class Projection {
   void add_gravity_and_pressure_row(const CellField& p, std::array<double, 2> gravity, double dt, Velocity& w,
                                     int k) const;
 
+  /// The first guess of δp is that of the solve before; this makes it 0. Call from one member.
+  void forget() { q_.fill(0); }
+
   /// in: w = u**, 0 on walls; out: w solenoidal to max |div w| dt <= tolerance, p updated (halo wrapped where
   /// periodic). The statistics are in units of div dt.
   SolveStats solve(Team& team, double dt, double tolerance, int max_iterations, Velocity& w, CellField& p);
@@ -37,7 +40,8 @@ class Projection {
 
   Multigrid<PoissonLevel<T>> multigrid_;
   Krylov<PoissonLevel<T>> krylov_;
-  CellField q_, rhs_;
+  CellField q_;  ///< δp Δt / h of the last solve, the guess of the next: a restart must keep it
+  CellField rhs_;
   RowSums largest_, speed_;
 };
 

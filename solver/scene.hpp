@@ -95,8 +95,8 @@ struct Stop {
 
 /// The levers that trade speed for accuracy; `accuracy:` in a scene file.
 struct Accuracy {
-  double viscous_tolerance = 1e-3;   ///< energy norm of the error over that of the flow
-  double pressure_tolerance = 1e-6;  ///< max |div u| dt
+  double viscous_tolerance = 5e-3;   ///< energy norm of the error over that of the flow
+  double pressure_tolerance = 3e-6;  ///< max |div u| dt
   int max_iterations = 200;
   Precision precision = Precision::mixed;
   bool operator==(const Accuracy&) const = default;

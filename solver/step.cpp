@@ -50,6 +50,7 @@ class StepperOf final : public Stepper {
       projection_.add_gravity_and_pressure(team, fields.p, scene_.gravity, 1, star_);
       projection_.solve(team, 1, 1e-13, scene_.accuracy.max_iterations, star_, fields.p);
     });
+    projection_.forget();
   }
 
   SolveStats project(Fields& fields, double dt) override {
@@ -62,6 +63,7 @@ class StepperOf final : public Stepper {
                                              scene_.accuracy.max_iterations, fields, fields.p);
       if (team.leads()) stats = s;
     });
+    projection_.forget();
     fill_velocity_halo(boundary_, fields.u, fields.v);
     return stats;
   }
