@@ -73,15 +73,10 @@ int run(const Arguments& a) {
   const Summary summary = simulation.run({&folder, &watch});
   folder.finish(summary);
 
-  if (summary.status == Status::diverged) fmt::print(stderr, "{}\n", summary.reason);
-  switch (summary.status) {
-    case Status::diverged:
-      return failed;
-    case Status::interrupted:
-      return by_signal + caught_signal;
-    default:
-      return finished;
-  }
+  if (summary.status == Status::finished || summary.status == Status::stopped) return finished;
+  if (summary.status == Status::interrupted && caught_signal) return by_signal + caught_signal;
+  fmt::print(stderr, "{}\n", summary.reason);
+  return failed;
 }
 
 int check(const Arguments& a) {

@@ -50,19 +50,28 @@ int write_all(int fd, std::string_view bytes) {
   return 0;
 }
 
+std::filesystem::path beside_of(const std::filesystem::path& path) { return path.string() + ".new"; }
+
 }  // namespace
 
 void write_atomically(const std::filesystem::path& path, std::string_view bytes) {
-  const std::filesystem::path beside = path.string() + ".new";
+  const std::filesystem::path beside = beside_of(path);
   try {
-    Descriptor file(beside, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, path);
+    Descriptor file(beside, O_WRONLY | O_CREAT | O_CLOEXEC, path);  // not cut: it may hold reserved room
     if (const int error = write_all(file, bytes)) fail(path, error);
+    if (::ftruncate(file, static_cast<off_t>(bytes.size())) != 0) fail(path, errno);
     file.close();
   } catch (...) {
     ::unlink(beside.c_str());
     throw;
   }
   if (::rename(beside.c_str(), path.c_str()) != 0) fail(path, errno);
+}
+
+void reserve_write(const std::filesystem::path& path, std::size_t bytes) {
+  const std::filesystem::path beside = beside_of(path);
+  Descriptor(beside, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, path).close();
+  reserve_room(beside, bytes);
 }
 
 AppendFile::AppendFile(const std::filesystem::path& path)

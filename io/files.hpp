@@ -6,8 +6,12 @@
 
 namespace hourglass {
 
-/// Replaces the file in one go: written beside it, then renamed over it.
+/// Replaces the file in one go: written beside it, as <path>.new, then renamed over it.
 void write_atomically(const std::filesystem::path& path, std::string_view bytes);
+
+/// Claims room for a later write_atomically() of up to `bytes`, which then succeeds on a full disk too. Holds an
+/// empty <path>.new until then.
+void reserve_write(const std::filesystem::path& path, std::size_t bytes);
 
 /// Grows by whole pieces: one that does not fit on the disk is taken back before append() throws.
 class AppendFile {

@@ -10,6 +10,8 @@ namespace hourglass {
 RunInfo info_of(const Scene& scene) {
   RunInfo info{scene.name, scene.units, scene.patch(), scene.walls, scene.orifices, {}};
   for (const Material& m : scene.materials) info.materials.push_back(m.name);
+  const Output& o = scene.output;
+  info.snapshots_are_frames = o.snapshots_every == 0 || o.snapshots_every == o.fields_every;
   return info;
 }
 
@@ -22,12 +24,17 @@ const CellField& Frame::field(const std::string& name) const {
   throw std::invalid_argument(fmt::format("no field '{}' here; there are: {}", name, fmt::join(names, ", ")));
 }
 
-std::vector<std::string> stored_fields(const Scene& scene) {
+std::vector<std::string> asked_fields(const Scene& scene) {
   std::vector<std::string> names;
   for (const std::string& name : scene.output.fields) {
     if (name == "tracer" && scene.materials.size() < 2) continue;
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   }
+  return names;
+}
+
+std::vector<std::string> stored_fields(const Scene& scene) {
+  std::vector<std::string> names = asked_fields(scene);
   if (std::find(names.begin(), names.end(), "grains") == names.end()) names.push_back("grains");
   return names;
 }

@@ -17,6 +17,7 @@ struct RunInfo {
   std::array<Wall, 4> walls{};  ///< by Side
   std::vector<Orifice> orifices;
   std::vector<std::string> materials;
+  bool snapshots_are_frames = true;  ///< what snapshots the run drew are of the frames, one by one
 };
 
 RunInfo info_of(const Scene& scene);
@@ -30,7 +31,10 @@ struct Frame {
   const CellField& field(const std::string& name) const;
 };
 
-/// The scene's output.fields that it has (a scene of one material has no tracer), and `grains`.
+/// The scene's output.fields that it has (a scene of one material has no tracer).
+std::vector<std::string> asked_fields(const Scene& scene);
+
+/// These and `grains`, which pictures need.
 std::vector<std::string> stored_fields(const Scene& scene);
 
 /// The state of a simulation, with the given fields, `grains` and the velocity.

@@ -47,9 +47,10 @@ Picture picture_of(const std::string& field, const Frame& frame, const RunInfo& 
 /// snapshots/<field>_<nnnn>.png in a run folder.
 std::filesystem::path snapshot_path(const std::filesystem::path& run, const std::string& field, int number);
 
-/// `hourglass render`: draws fields of a stored run into its snapshots folder, numbered by frame. No fields:
-/// all that are stored; no times: all frames, otherwise the frame nearest each time. The pictures of one
-/// field share one colour range, so that they compare. Prints the name of each file and returns 0. Throws
+/// `hourglass render`: draws fields of a stored run into its snapshots folder, numbered by frame; where that
+/// would be the number of another snapshot of the run, as <field>_t<time>.png. No fields: all that are
+/// stored; no times: all frames, otherwise the frame nearest each time. The pictures of one field share one
+/// colour range, so that they compare. Prints the name of each file and returns 0. Throws
 /// std::invalid_argument for a field that is not stored or a time outside the run, std::runtime_error if the
 /// run cannot be read or the picture not be drawn or written.
 int render_run(const std::filesystem::path& run, const std::vector<std::string>& fields,

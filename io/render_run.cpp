@@ -95,7 +95,10 @@ int render_run(const std::filesystem::path& run, const std::vector<std::string>&
     for (const int frame : frames) {
       Picture one = picture(frame);
       if (!one.range) one.range = nice_range(lo, hi, one.log_scale);
-      const std::filesystem::path path = snapshot_path(run, field, frame);
+      const std::filesystem::path path =
+          reader.info().snapshots_are_frames
+              ? snapshot_path(run, field, frame)
+              : run / "snapshots" / fmt::format("{}_t{:.9g}.png", field, reader.times()[frame]);
       render_png(one, path);
       fmt::print("{}\n", path.string());
       std::fflush(stdout);

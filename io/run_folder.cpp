@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <fstream>
 #include <optional>
+#include <regex>
 #include <stdexcept>
 
 #include "io/files.hpp"
@@ -27,26 +28,31 @@ using Clock = std::chrono::steady_clock;
 namespace {
 
 constexpr const char* log_name = "run.log";
-constexpr const char* log_mark = "hourglass";  ///< in the first line of every run.log
+constexpr std::size_t summary_room = 64 << 10;  ///< bytes; a summary takes 2 KiB and its warnings
+constexpr const char* log_mark = "hourglass";   ///< in the first line of every run.log
 constexpr const char* file_names[] = {log_name,      "scene.yaml",    "series.csv",  "fields.h5",
                                       "fields.xdmf", "checkpoint.h5", "summary.json"};
 
-/// <field>_<four or more digits>.png with a field of ours.
+/// <field>_<four or more digits>.png or <field>_t<time>.png with a field of ours.
 bool is_snapshot(const fs::path& path) {
-  const std::string stem = path.stem().string();
-  const std::size_t digits = stem.size() - std::min(stem.size(), stem.find_last_not_of("0123456789") + 1);
-  if (path.extension() != ".png" || digits < 4 || digits + 1 >= stem.size()) return false;
-  const std::string field = stem.substr(0, stem.size() - digits - 1);
-  return stem[field.size()] == '_' && std::any_of(known_fields().begin(), known_fields().end(),
-                                                  [&](const FieldInfo& info) { return field == info.name; });
+  static const std::regex pattern("(.+)_([0-9]{4,}|t[0-9.e+-]+)[.]png");
+  std::smatch match;
+  const std::string name = path.filename().string();
+  return std::regex_match(name, match, pattern) &&
+         std::any_of(known_fields().begin(), known_fields().end(),
+                     [&](const FieldInfo& info) { return match[1] == info.name; });
 }
 
-/// What a run wrote, or would write, into this folder.
+/// What a run wrote, or would write, into this folder. Empty files do not count: they are what a full disk
+/// leaves of a run that could not begin.
 std::vector<fs::path> files_of_run(const fs::path& folder) {
+  const auto holds_something = [](const fs::path& path) {
+    return fs::is_regular_file(path) && !fs::is_empty(path);
+  };
   std::vector<fs::path> found;
   for (const char* name : file_names) {
     for (const char* suffix : {"", ".new"}) {  // .new: a killed run may leave one behind
-      if (fs::path path = folder / fmt::format("{}{}", name, suffix); fs::is_regular_file(path))
+      if (fs::path path = folder / fmt::format("{}{}", name, suffix); holds_something(path))
         found.push_back(path);
     }
   }
@@ -143,12 +149,13 @@ struct RunFolder::Impl {
   Impl(const Scene& scene, const std::string& resolved_yaml, const RunOptions& options,
        const std::vector<std::string>& warnings)
       : path(options.out.empty() ? default_run_folder(scene.name) : options.out), info(info_of(scene)),
-        fields(stored_fields(scene)), progress(options.quiet) {
+        stored(stored_fields(scene)), drawn(asked_fields(scene)), progress(options.quiet) {
     make_way(path, options.force);
     std::error_code error;
     fs::create_directories(path, error);
     if (error) throw std::runtime_error(fmt::format("{}: {}", path.string(), error.message()));
     log = open_log(path / log_name);
+    reserve_write(path / "summary.json", summary_room);
     const Provenance p = provenance(scene.threads);
     log->info("{} {}, revision {}: scene '{}'", log_mark, p.version, p.revision, scene.name);
     log->info("{} ({}), SIMD width {} bits: {}", p.compiler, p.build_type, p.simd_bits, p.flags);
@@ -169,7 +176,7 @@ struct RunFolder::Impl {
 
   const fs::path path;
   const RunInfo info;
-  const std::vector<std::string> fields;
+  const std::vector<std::string> stored, drawn;  ///< names of fields
   std::shared_ptr<spdlog::logger> log;
   std::optional<SeriesFile> series;
   std::optional<FieldWriter> frames;
@@ -206,7 +213,7 @@ void RunFolder::on_series(const SeriesRow& row) {
 
 void RunFolder::on_fields(const Simulation& simulation) {
   const auto start = Clock::now();
-  if (impl_->frames) impl_->frames->write(frame_of(simulation, impl_->fields));
+  if (impl_->frames) impl_->frames->write(frame_of(simulation, impl_->stored));
   impl_->writing += Clock::now() - start;
 }
 
@@ -215,8 +222,8 @@ void RunFolder::on_snapshot(const Simulation& simulation) {
   const auto start = Clock::now();
   try {
     fs::create_directories(impl_->path / "snapshots");
-    const Frame frame = frame_of(simulation, impl_->fields);
-    for (const std::string& field : impl_->fields) {
+    const Frame frame = frame_of(simulation, impl_->stored);
+    for (const std::string& field : impl_->drawn) {
       render_png(picture_of(field, frame, impl_->info), snapshot_path(impl_->path, field, impl_->snapshots));
     }
     ++impl_->snapshots;

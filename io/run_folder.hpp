@@ -30,14 +30,16 @@ class RunFolder : public Observer {
             const std::vector<std::string>& warnings = {});
   ~RunFolder() override;
 
-  // All throw std::runtime_error with path and reason if writing fails; earlier rows and frames stay intact.
+  // All throw std::runtime_error with path and reason if writing fails, which ends the run; earlier rows and
+  // frames stay intact.
   void on_series(const SeriesRow& row) override;
   void on_fields(const Simulation& simulation) override;
   void on_snapshot(const Simulation& simulation) override;
   void on_step(const StepReport& report, double fraction_done) override;
   void on_warning(const std::string& warning) override;
 
-  /// Ends the progress line and writes summary.json.
+  /// Ends the progress line and writes summary.json, in room that was claimed at the start: a run that ends for
+  /// want of room on the disk has one too.
   void finish(const Summary& summary);
 
   const std::filesystem::path& path() const;

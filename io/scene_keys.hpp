@@ -10,7 +10,7 @@ namespace hourglass {
 inline constexpr std::array accuracy_names{"fast", "balanced", "accurate"};
 inline constexpr std::array<Accuracy, 3> accuracy_presets{
     Accuracy{.viscous_tolerance = 1e-2, .pressure_tolerance = 1e-5},
-    Accuracy{.viscous_tolerance = 1e-3, .pressure_tolerance = 1e-6},
+    Accuracy{.viscous_tolerance = 5e-3, .pressure_tolerance = 3e-6},
     Accuracy{.viscous_tolerance = 1e-4, .pressure_tolerance = 1e-8},
 };
 
@@ -87,6 +87,7 @@ void visit_scene(Visitor& v, Scene& s) {
     if (preset >= 0) s.accuracy = accuracy_presets[preset];
   } else {
     v.map("accuracy", [&] {
+      v.preset("preset", s.accuracy, accuracy_names, accuracy_presets);
       v.number("viscous_tolerance", s.accuracy.viscous_tolerance);
       v.number("pressure_tolerance", s.accuracy.pressure_tolerance);
       v.integer("max_iterations", s.accuracy.max_iterations);

@@ -103,6 +103,15 @@ class SceneReader {
     return true;
   }
 
+  /// A word that stands for a whole value, whose parts later keys may change.
+  template <class T, std::size_t n>
+  void preset(const char* key, T& value, const std::array<const char*, n>& words,
+              const std::array<T, n>& values) {
+    const YamlNode* node = child(key);
+    const int index = node ? read_word(*node, key, {words.begin(), words.end()}, {}) : -1;
+    if (index >= 0) value = values[index];
+  }
+
   template <class Body>
   void map(const char* key, Body&& body) {
     const YamlNode* node = child(key);

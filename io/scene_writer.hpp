@@ -42,6 +42,8 @@ class SceneWriter {
   bool word(const char*, int&, const std::array<const char*, n>&) {
     return false;
   }
+  template <class... Rest>
+  void preset(const Rest&...) {}  // its parts are written
   template <class Body>
   void map(const char* key, Body&& body) {
     line(key, "");

@@ -77,6 +77,19 @@ void mark_origin(YamlNode& node, int override_index) {
   for (auto& [key, value] : node.keys) mark_origin(value, override_index);
 }
 
+/// `accuracy: fast` is short for `accuracy: {preset: fast}`; spelt out it can be added to.
+void spell_out_accuracy(YamlNode& root) {
+  for (auto& [key, node] : root.keys) {
+    if (key != "accuracy" || node.kind != Kind::scalar) continue;
+    YamlNode map;
+    map.kind = Kind::map;
+    map.line = node.line;
+    map.override_index = node.override_index;
+    map.keys.emplace_back("preset", std::move(node));
+    node = std::move(map);
+  }
+}
+
 /// The node at a dotted path, or the nearest one above it that is there.
 const YamlNode& nearest_node(const YamlNode& root, const std::string& path) {
   const YamlNode* at = &root;
@@ -124,6 +137,7 @@ Loaded load_scene(const std::filesystem::path& path, const std::vector<std::stri
       if (equals == std::string::npos) throw YamlError(0, "expected path=value, e.g. grid.cells_x=256.");
       YamlNode value = parse_yaml(overrides[k].substr(equals + 1));
       mark_origin(value, static_cast<int>(k));
+      if (key.starts_with("accuracy.")) spell_out_accuracy(root);
       assign(root, key, std::move(value));
     } catch (const YamlError& error) {
       const std::string named = equals == std::string::npos ? "" : shown(key);

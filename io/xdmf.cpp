@@ -131,6 +131,7 @@ FieldWriter::FieldWriter(const std::filesystem::path& folder, const RunInfo& inf
     }
     if (!orifices.empty()) h5::write_attribute(file, "orifices", orifices, {info.orifices.size(), 3});
     h5::write_attribute(file, "materials", info.materials);
+    h5::write_attribute(file, "snapshots_are_frames", info.snapshots_are_frames);
     h5::create_compact_group(file, "frames", 1000, 6);
     file.close("close");
   } catch (const std::runtime_error& error) {
@@ -199,6 +200,8 @@ FieldReader::FieldReader(const std::filesystem::path& run) : h5_(run / "fields.h
       }
     }
     info_.materials = h5::read_strings(file, "materials");
+    info_.snapshots_are_frames = !h5::has_attribute(file, "snapshots_are_frames") ||
+                                 h5::read_number(file, "snapshots_are_frames") != 0;
     const h5::Id frames = h5::group(file, "frames");
     H5G_info_t about;
     h5::checked(H5Gget_info(frames, &about), "frames");

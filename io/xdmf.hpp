@@ -4,7 +4,7 @@
 // fields.h5, all numbers in the run's units:
 //   /                          attributes format, name, units (grain | SI), cells [nx, ny], origin [x, y],
 //                              spacing, walls [left, right, bottom, top], orifices [n][side, centre, width],
-//                              materials
+//                              materials, snapshots_are_frames
 //   /frames/000012             attribute time
 //   /frames/000012/speed       float32 [ny][nx], cell data, row 0 at the bottom; attributes name, units,
 //                              location ("cell"), time

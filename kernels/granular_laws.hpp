@@ -21,18 +21,16 @@ inline double inertial_number(double gamma_dot, double pressure, const Grain& g)
 /// mu(I) = mu_s + delta_mu I / (I_0 + I) (Jop, Forterre & Pouliquen 2006).
 inline double mu_of_I(double I, const Grain& g) { return g.mu_s + g.delta_mu * I / (g.I_0 + I); }
 
-/// Effective viscosity mu(I) P / |γ̇| without limits [M/T]. As one fraction without the division by I:
-/// mu P / |γ̇| = P (mu_s + delta_mu γ̇ d / (I_0 sqrt(P/ρ) + γ̇ d)) / γ̇.
+/// Effective viscosity mu(I) P / |γ̇| without limits [M/T]. As one fraction, without a division by I:
+/// mu P / |γ̇| = P (mu_s r + (mu_s + delta_mu) γ̇ d) / ((r + γ̇ d) γ̇),  r = I_0 sqrt(P/ρ).
 inline double granular_viscosity(double gamma_dot, double pressure, double mu_s, double delta_mu, double I_0,
                                  double d_sqrt_rho) {
   const double rate = std::max(gamma_dot, 1e-30);
-  const double slip = rate * d_sqrt_rho;
-  const double mu = mu_s + delta_mu * slip / (I_0 * std::sqrt(pressure) + slip);
-  return mu * pressure / rate;
+  const double slip = rate * d_sqrt_rho, root = I_0 * std::sqrt(pressure);
+  return pressure * (mu_s * root + (mu_s + delta_mu) * slip) / ((root + slip) * rate);
 }
 
-/// C(I) of Barker, Schaeffer, Bohorquez & Gray 2015: the equations are well posed where C <= 0 (numerics
-/// 4.1).
+/// C(I) of Barker, Schaeffer, Bohorquez & Gray 2015: the equations are well posed where C <= 0.
 inline double well_posedness(double I, const Grain& g) {
   const double mu = mu_of_I(I, g);
   const double mu_prime = g.delta_mu * g.I_0 / ((g.I_0 + I) * (g.I_0 + I));

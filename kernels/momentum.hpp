@@ -9,7 +9,7 @@
 // density is uniform (monotonised-central slope, half a step ahead), first order across the free surface.
 #include <algorithm>
 #include <cmath>
-#include <vector>
+#include <utility>
 
 #include "kernels/team.hpp"
 #include "kernels/velocity.hpp"
@@ -50,76 +50,101 @@ struct ComponentRow {
   double flag(int i) const { return static_cast<double>(flag_a[i] * flag_b[i]); }
 };
 
-/// out[i] += Σ M (q_face - q_i) over the two faces along the row, i = 0 .. n-1. face(i) lies between points
-/// i-1 and i. slope, carried: scratch of n + 4 values, used from index 2.
-inline void advect_along_row(const ComponentRow& row, const FaceRow& face, double dt_h, int n,
-                             double* __restrict slope, double* __restrict carried, double* __restrict out) {
-  const double* __restrict q = row.q;
-#pragma omp simd
-  for (int i = -1; i <= n; ++i) slope[i + 2] = row.flag(i) * limited(q[i] - q[i - 1], q[i + 1] - q[i]);
-#pragma omp simd
-  for (int i = 0; i <= n; ++i) {
-    const double ahead = 0.5 * (1 - face.courant(i, dt_h));
-    const double from_left = q[i - 1] + ahead * slope[i + 1], from_right = q[i] - ahead * slope[i + 2];
-    carried[i + 2] = face.flux(i) > 0 ? from_left : from_right;
+/// Σ M (q_face - q) of one velocity component, M outward [M/L^2 x L/T], on consecutive rows: what crosses a face between
+/// two rows is found once and kept for the next row. where: At::xface for u, At::yface for v.
+template <At where>
+class MomentumAdvection {
+ public:
+  /// Values of scratch that rows of n points need.
+  static constexpr int scratch_size(int n) { return 5 * (n + 4); }
+
+  /// Rows first, first + 1, ... In: u, v halo 2; mass halo 1.
+  MomentumAdvection(const XFaceField& u, const YFaceField& v, const MassTransport& mass, double dt_h,
+                    int first, double* scratch)
+      : u_(u), v_(v), mass_(mass), dt_h_(dt_h), row_(first), n_(where == At::xface ? u.nx() : v.nx()) {
+    for (double** buffer : {&along_slope_, &along_carried_, &slope_, &next_slope_, &carried_}) {
+      *buffer = scratch + 2;
+      scratch += n_ + 4;
+    }
+    find_slope(first - 1, next_slope_);
+    find_slope(first, slope_);
+    const ComponentRow m = component(first - 1), c = component(first);
+    const FaceRow face = below(first);
+    for (int i = 0; i < n_; ++i) carried_[i] = carry(face, i, m.q[i], c.q[i], next_slope_[i], slope_[i]);
   }
-#pragma omp simd
-  for (int i = 0; i < n; ++i)
-    out[i] += face.flux(i + 1) * (carried[i + 3] - q[i]) - face.flux(i) * (carried[i + 2] - q[i]);
-}
 
-/// out[i] += Σ M (q_face - q_i) over the faces below and above. rows[0..4]: the component at rows j-2 .. j+2.
-inline void advect_across_rows(const ComponentRow (&rows)[5], const FaceRow& below, const FaceRow& above,
-                               double dt_h, int n, double* __restrict out) {
-  const ComponentRow &m = rows[1], &c = rows[2], &p = rows[3];
+  /// out[i], i = 0 .. n-1, of the next row.
+  void next(double* __restrict out) {
+    along(out);
+    const ComponentRow c = component(row_), p = component(row_ + 1), pp = component(row_ + 2);
+    const FaceRow low = below(row_), high = below(row_ + 1);
+    const double* __restrict here = slope_;
+    double* __restrict there = next_slope_;
+    double* __restrict crossed = carried_;
 #pragma omp simd
-  for (int i = 0; i < n; ++i) {
-    const double sm = m.flag(i) * limited(m.q[i] - rows[0].q[i], c.q[i] - m.q[i]);
-    const double sc = c.flag(i) * limited(c.q[i] - m.q[i], p.q[i] - c.q[i]);
-    const double sp = p.flag(i) * limited(p.q[i] - c.q[i], rows[4].q[i] - p.q[i]);
-    const double ahead_b = 0.5 * (1 - below.courant(i, dt_h)), ahead_a = 0.5 * (1 - above.courant(i, dt_h));
-    const double low = below.flux(i) > 0 ? m.q[i] + ahead_b * sm : c.q[i] - ahead_b * sc;
-    const double high = above.flux(i) > 0 ? c.q[i] + ahead_a * sc : p.q[i] - ahead_a * sp;
-    out[i] += above.flux(i) * (high - c.q[i]) - below.flux(i) * (low - c.q[i]);
+    for (int i = 0; i < n_; ++i) {
+      const double ahead = p.flag(i) * limited(p.q[i] - c.q[i], pp.q[i] - p.q[i]);
+      const double above = carry(high, i, c.q[i], p.q[i], here[i], ahead);
+      out[i] += high.flux(i) * (above - c.q[i]) - low.flux(i) * (crossed[i] - c.q[i]);
+      there[i] = ahead;
+      crossed[i] = above;
+    }
+    std::swap(slope_, next_slope_);
+    ++row_;
   }
-}
 
-/// Σ M (u_face - u) of row j of u, i = 0 .. nx, M outward [M/T/L]. in: u, v halo 2, mass halo 1. scratch: 2
-/// (nx + 5). With the rows of v in turn 52 B/cell: 4 reads of 8 B, flags of 4 B, 2 writes of 8 B.
-inline void advect_u_row(const XFaceField& u, const YFaceField& v, const MassTransport& mass, double dt_h,
-                         int j, double* scratch, double* out) {
-  const int n = u.nx();
-  std::fill(out, out + n, 0.0);
-  const auto component = [&](int k) {
-    return ComponentRow{u.row(k), mass.uniform.row(k) - 1, mass.uniform.row(k)};
-  };
-  const FaceRow along{mass.x.row(j) - 1, mass.x.row(j), u.row(j) - 1, u.row(j)};
-  advect_along_row(component(j), along, dt_h, n, scratch, scratch + n + 4, out);
-  const ComponentRow rows[5] = {component(j - 2), component(j - 1), component(j), component(j + 1),
-                                component(j + 2)};
-  const auto corner = [&](int k) {
-    return FaceRow{mass.y.row(k) - 1, mass.y.row(k), v.row(k) - 1, v.row(k)};
-  };
-  advect_across_rows(rows, corner(j), corner(j + 1), dt_h, n, out);
-}
+ private:
+  ComponentRow component(int k) const {
+    // Row k of v lies between cell rows k - 1 and k; beyond the halo the flag is that of the halo, 0.
+    if constexpr (where == At::xface) return {u_.row(k), mass_.uniform.row(k) - 1, mass_.uniform.row(k)};
+    return {v_.row(k), mass_.uniform.row(std::max(k - 1, -1)), mass_.uniform.row(std::min(k, u_.ny()))};
+  }
+  /// Faces between rows k - 1 and k.
+  FaceRow below(int k) const {
+    if constexpr (where == At::xface) return {mass_.y.row(k) - 1, mass_.y.row(k), v_.row(k) - 1, v_.row(k)};
+    return {mass_.y.row(k - 1), mass_.y.row(k), v_.row(k - 1), v_.row(k)};
+  }
+  /// Faces of the row itself: face(i) lies between points i - 1 and i.
+  FaceRow beside() const {
+    if constexpr (where == At::xface)
+      return {mass_.x.row(row_) - 1, mass_.x.row(row_), u_.row(row_) - 1, u_.row(row_)};
+    return {mass_.x.row(row_ - 1), mass_.x.row(row_), u_.row(row_ - 1), u_.row(row_)};
+  }
+  /// Upwind value on a face between a and b, half a step ahead.
+  [[gnu::always_inline]] double carry(const FaceRow& face, int i, double a, double b, double slope_a,
+                                      double slope_b) const {
+    const double ahead = 0.5 * (1 - face.courant(i, dt_h_));
+    const double from_a = a + ahead * slope_a, from_b = b - ahead * slope_b;
+    return face.flux(i) > 0 ? from_a : from_b;
+  }
+  void find_slope(int k, double* __restrict out) const {
+    const ComponentRow m = component(k - 1), c = component(k), p = component(k + 1);
+#pragma omp simd
+    for (int i = 0; i < n_; ++i) out[i] = c.flag(i) * limited(c.q[i] - m.q[i], p.q[i] - c.q[i]);
+  }
+  void along(double* __restrict out) const {
+    const ComponentRow row = component(row_);
+    const FaceRow face = beside();
+    const double* __restrict q = row.q;
+    double* __restrict slope = along_slope_;
+    double* __restrict crossed = along_carried_;
+#pragma omp simd
+    for (int i = -1; i <= n_; ++i) slope[i] = row.flag(i) * limited(q[i] - q[i - 1], q[i + 1] - q[i]);
+#pragma omp simd
+    for (int i = 0; i <= n_; ++i) crossed[i] = carry(face, i, q[i - 1], q[i], slope[i - 1], slope[i]);
+#pragma omp simd
+    for (int i = 0; i < n_; ++i)
+      out[i] = face.flux(i + 1) * (crossed[i + 1] - q[i]) - face.flux(i) * (crossed[i] - q[i]);
+  }
 
-/// The same of row j of v, i = 0 .. nx - 1.
-inline void advect_v_row(const XFaceField& u, const YFaceField& v, const MassTransport& mass, double dt_h,
-                         int j, double* scratch, double* out) {
-  const int n = v.nx(), ny = v.patch().ny;
-  std::fill(out, out + n, 0.0);
-  // Row k of v lies between cell rows k - 1 and k; beyond the halo the flag is that of the halo, 0.
-  const auto component = [&](int k) {
-    return ComponentRow{v.row(k), mass.uniform.row(std::max(k - 1, -1)), mass.uniform.row(std::min(k, ny))};
-  };
-  const FaceRow along{mass.x.row(j - 1), mass.x.row(j), u.row(j - 1), u.row(j)};
-  advect_along_row(component(j), along, dt_h, n, scratch, scratch + n + 4, out);
-  const int lowest = std::max(j - 2, -1), highest = std::min(j + 2, ny + 1);
-  const ComponentRow rows[5] = {component(lowest), component(j - 1), component(j), component(j + 1),
-                                component(highest)};
-  const auto cell = [&](int k) { return FaceRow{mass.y.row(k), mass.y.row(k + 1), v.row(k), v.row(k + 1)}; };
-  advect_across_rows(rows, cell(j - 1), cell(j), dt_h, n, out);
-}
+  const XFaceField& u_;
+  const YFaceField& v_;
+  const MassTransport& mass_;
+  const double dt_h_;
+  int row_;
+  const int n_;
+  double *along_slope_, *along_carried_, *slope_, *next_slope_, *carried_;
+};
 
 /// Flags of uniform density on row j. in: density halo 1; out: uniform, interior.
 inline void uniform_density_row(const CellField& density, int j, float* __restrict out) {

@@ -92,8 +92,8 @@ void fill_inverse_diagonal(Team& team, PoissonCoefficients<T>& a) {
 }
 
 /// beta of the next coarser level: the mean of the two fine faces on each coarse face; at an orifice the
-/// closed ones count as 0, which is the open share (numerics 2.2). Rows of this member; sync before and
-/// after.
+/// closed ones count as 0, which is the open share (docs/theory.md, Solvers). Rows of this member; sync
+/// before and after.
 template <class T>
 void coarsen_poisson(Team& team, const PoissonCoefficients<T>& fine, PoissonCoefficients<T>& coarse) {
   const int nx = coarse.inverse_diagonal.nx(), ny = coarse.inverse_diagonal.ny();

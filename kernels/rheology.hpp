@@ -23,8 +23,9 @@ struct LimitCounts {
 };
 
 /// Cell viscosity of one material: eta = c clamp(mu(I) P / |γ̇|, eta_min, eta_max) + (1 - c) eta_air. P = 0
-/// gives eta_min and rest under pressure eta_max: a scene that starts from p = 0 starts to flow (numerics
-/// P1). in: gamma2 [1/T^2], p, grains (interior); out: eta_c of row j. 3 reads (8 B) + 1 write (4 or 8 B).
+/// gives eta_min and rest under pressure eta_max: a scene that starts from p = 0 starts to flow
+/// (docs/theory.md, Start). in: gamma2 [1/T^2], p, grains (interior); out: eta_c of row j. 3 reads (8 B) + 1
+/// write (4 or 8 B).
 template <class T>
 void granular_viscosity_row(const double* __restrict gamma2, const double* __restrict p,
                             const double* __restrict grains, int n, const Grain& g,
@@ -71,9 +72,9 @@ void blended_viscosity_row(const double* gamma2, const double* p, const double* 
   }
 }
 
-/// Corner viscosity from the cells around it, times the shear weight at boundaries. Harmonic: numerics P2
-/// (best observed order of the discharge). in: eta_c of the interior (wrapped halo where periodic); out: row
-/// j of eta_n. 8 B/cell (float).
+/// Corner viscosity from the cells around it, times the shear weight at boundaries. The harmonic mean
+/// has the best observed order of the discharge (docs/accuracy.md). in: eta_c of the interior (wrapped halo
+/// where periodic); out: row j of eta_n.
 template <class T>
 void corner_viscosity_row(const CellFieldOf<T>& eta_c, const Boundary& boundary, bool harmonic, int j,
                           CornerFieldOf<T>& eta_n) {

@@ -9,26 +9,22 @@
 
 namespace hourglass {
 
-/// |γ̇|^2 in cells: 2 (dx u)^2 + 2 (dy v)^2 + (mean over the four corners of dy u + dx v)^2 [1/T^2]. The mean
-/// before the square takes out the shortest wave (numerics 1.1). in: u, v, halo 1 filled by
-/// fill_velocity_halo; out: interior cells. Rows of this member. 2 reads + 1 write: 24 B/cell.
-inline void shear_rate_squared(Team& team, const XFaceField& u, const YFaceField& v, CellField& gamma2) {
-  const int nx = gamma2.nx(), ny = gamma2.ny();
-  const double inv_h = 1 / gamma2.patch().h;
-  const Rows rows = team.rows(ny);
-  for (int j = rows.begin; j < rows.end; ++j) {
-    const double *uc = u.row(j), *us = u.row(j - 1), *un = u.row(j + 1);
-    const double *vc = v.row(j), *vn = v.row(j + 1);
-    double* __restrict out = gamma2.row(j);
+/// |γ̇|^2 in the cells of row j: 2 (dx u)^2 + 2 (dy v)^2 + (mean over the four corners of dy u + dx v)^2 [1/T^2]. The
+/// mean before the square takes out the shortest wave (docs/theory.md). in: u, v, halo 1 filled by
+/// fill_velocity_halo; out: nx values. 2 reads + 1 write: 24 B/cell.
+inline void shear_rate_squared_row(const XFaceField& u, const YFaceField& v, int j, double* __restrict out) {
+  const int nx = v.nx();
+  const double inv_h = 1 / u.patch().h;
+  const double *uc = u.row(j), *us = u.row(j - 1), *un = u.row(j + 1);
+  const double *vc = v.row(j), *vn = v.row(j + 1);
 #pragma omp simd
-    for (int i = 0; i < nx; ++i) {
-      const double exx = (uc[i + 1] - uc[i]) * inv_h, eyy = (vn[i] - vc[i]) * inv_h;
-      // Sum over four corners of dy u + dx v; the inner differences cancel.
-      const double shear_u = (un[i] - us[i]) + (un[i + 1] - us[i + 1]);
-      const double shear_v = (vc[i + 1] - vc[i - 1]) + (vn[i + 1] - vn[i - 1]);
-      const double shear = 0.25 * (shear_u + shear_v) * inv_h;
-      out[i] = 2 * (exx * exx + eyy * eyy) + shear * shear;
-    }
+  for (int i = 0; i < nx; ++i) {
+    const double exx = (uc[i + 1] - uc[i]) * inv_h, eyy = (vn[i] - vc[i]) * inv_h;
+    // Sum over four corners of dy u + dx v; the inner differences cancel.
+    const double shear_u = (un[i] - us[i]) + (un[i + 1] - us[i + 1]);
+    const double shear_v = (vc[i + 1] - vc[i - 1]) + (vn[i + 1] - vn[i - 1]);
+    const double shear = 0.25 * (shear_u + shear_v) * inv_h;
+    out[i] = 2 * (exx * exx + eyy * eyy) + shear * shear;
   }
 }
 
@@ -39,9 +35,10 @@ struct SmoothingPass {
   double weight;  ///< w <= 1/4
 };
 
-/// Passes whose variances 2 w stride^2 h^2 add up to length^2 / 2: one 1-2-1 pass is length h, the filter
-/// that numerics P1 found to work. Strides double (a trous), so the number of passes grows with the logarithm
-/// of length / h. halo = 2 bounds nothing here: strides reach into the patch only.
+/// Passes whose variances 2 w stride^2 h^2 add up to length^2 / 2: one 1-2-1 pass is length h
+/// (docs/theory.md, Ill-posedness; docs/accuracy.md measures lengths). Strides double (a trous), so the
+/// number of passes grows with the logarithm of length / h. halo = 2 bounds nothing here: strides reach into
+/// the patch only.
 inline std::vector<SmoothingPass> smoothing_passes(double length, double h) {
   std::vector<SmoothingPass> passes;
   double variance = 0.5 * (length / h) * (length / h);  // in h^2
@@ -56,46 +53,36 @@ inline std::vector<SmoothingPass> smoothing_passes(double length, double h) {
   return passes;
 }
 
-/// One pass in x over rows of (numerator, weight): a <- a (1 - 2w) + w (a_left + a_right); points outside the
-/// patch are left out of both, so that their ratio stays a mean over the grains inside (boundary-aware). Rows
-/// of this member. 16 B/cell, as the pass in y.
-inline void smooth_row(double* __restrict row, int n, SmoothingPass pass, bool periodic,
-                       double* __restrict scratch) {
+/// One pass in x over a row of numerator or weight: out = a (1 - 2w) + w (a_left + a_right); points outside the
+/// patch are left out of both, so that their ratio stays a mean over the grains inside (boundary-aware).
+inline void smooth_row(const double* __restrict in, int n, SmoothingPass pass, bool periodic,
+                       double* __restrict out) {
   const int s = pass.stride;
   const double w = pass.weight, c = 1 - 2 * w;
-  std::copy(row, row + n, scratch);
-  if (n > 2 * s) {
-    const double *left = scratch - s, *right = scratch + s;
-    for (int i = 0; i < s; ++i)
-      row[i] = c * scratch[i] + w * (right[i] + (periodic ? scratch[i - s + n] : 0));
-#pragma omp simd
-    for (int i = s; i < n - s; ++i) row[i] = c * scratch[i] + w * (left[i] + right[i]);
-    for (int i = n - s; i < n; ++i)
-      row[i] = c * scratch[i] + w * (left[i] + (periodic ? scratch[i + s - n] : 0));
-    return;
-  }
-  for (int i = 0; i < n; ++i) {
+  const int inner = n > 2 * s ? s : n;  // points 0 .. inner-1 and the last ones look across an end
+  const auto end_point = [&](int i) {
     const auto at = [&](int k) {
-      if (periodic) return scratch[((k % n) + n) % n];
-      return k >= 0 && k < n ? scratch[k] : 0.0;
+      if (periodic) return in[((k % n) + n) % n];
+      return k >= 0 && k < n ? in[k] : 0.0;
     };
-    row[i] = c * scratch[i] + w * (at(i - s) + at(i + s));
-  }
+    out[i] = c * in[i] + w * (at(i - s) + at(i + s));
+  };
+  for (int i = 0; i < inner; ++i) end_point(i);
+  const double *left = in - s, *right = in + s;
+#pragma omp simd
+  for (int i = inner; i < n - inner; ++i) out[i] = c * in[i] + w * (left[i] + right[i]);
+  for (int i = std::max(inner, n - inner); i < n; ++i) end_point(i);
 }
 
-/// One pass in y: out = (1 - 2w) in + w (in below + in above). Rows of this member.
-inline void smooth_column(Team& team, const CellField& in, SmoothingPass pass, CellField& out) {
+/// One pass in y, row j: out = (1 - 2w) in + w (in below + in above).
+inline void smooth_column_row(const CellField& in, SmoothingPass pass, int j, double* __restrict out) {
   const int nx = in.nx(), ny = in.ny(), s = pass.stride;
   const double w = pass.weight, c = 1 - 2 * w;
-  const Rows rows = team.rows(ny);
-  for (int j = rows.begin; j < rows.end; ++j) {
-    const double* a = in.row(j);
-    const double *below = in.row(std::max(j - s, 0)), *above = in.row(std::min(j + s, ny - 1));
-    const double wb = j - s >= 0 ? w : 0, wa = j + s < ny ? w : 0;
-    double* __restrict o = out.row(j);
+  const double* a = in.row(j);
+  const double *below = in.row(std::max(j - s, 0)), *above = in.row(std::min(j + s, ny - 1));
+  const double wb = j - s >= 0 ? w : 0, wa = j + s < ny ? w : 0;
 #pragma omp simd
-    for (int i = 0; i < nx; ++i) o[i] = c * a[i] + (wb * below[i] + wa * above[i]);
-  }
+  for (int i = 0; i < nx; ++i) out[i] = c * a[i] + (wb * below[i] + wa * above[i]);
 }
 
 }  // namespace hourglass

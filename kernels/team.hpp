@@ -14,6 +14,7 @@
 #include <atomic>
 #include <cstddef>
 #include <optional>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -96,6 +97,17 @@ void parallel(int threads, Body&& body) {
     body(alone);
     return;
   }
+#if defined(__SANITIZE_THREAD__)  // which sees the fork and join of std::thread, but not those of libgomp
+  Barrier barrier(threads);
+  const auto member = [&](int rank) {
+    const FlushDenormals flush;
+    Team team(rank, threads, &barrier);
+    body(team);
+  };
+  std::vector<std::jthread> others;
+  for (int rank = 1; rank < threads; ++rank) others.emplace_back(member, rank);
+  member(0);
+#else
   std::optional<Barrier> barrier;
 #pragma omp parallel num_threads(threads)
   {
@@ -106,6 +118,7 @@ void parallel(int threads, Body&& body) {
     Team team(omp_get_thread_num(), size, &*barrier);
     body(team);
   }
+#endif
 }
 
 /// Runs operations 0 .. ops-1 on rows 0 .. n-1 as if each were a pass over all rows, in one sweep through

@@ -1,6 +1,9 @@
 #pragma once
 // The two components of a staggered vector, and the row-by-row view that Krylov methods take of any unknown.
+#include <algorithm>
+
 #include "kernels/field.hpp"
+#include "kernels/team.hpp"
 
 namespace hourglass {
 
@@ -69,6 +72,37 @@ void take_colour(const T* __restrict updated, int n, int j, int colour, T* __res
   for (int i = 0; i < half; ++i) out[i] = (i & 1) == left ? updated[i] : out[i];
 #pragma omp simd
   for (int i = half; i < n; ++i) out[i] = (i & 1) == right ? updated[i] : out[i];
+}
+
+/// Gauss-Seidel on one colour from x = 0: out[i] = b[i] / diagonal where i has the colour, else 0.
+template <class T>
+void start_colour(const T* __restrict b, const T* __restrict inverse_diagonal, int n, int j, int colour,
+                  T* __restrict out) {
+  const int half = n % 2 == 0 ? n / 2 : n;
+  const int left = (colour + j) & 1, right = n % 2 == 0 ? 1 - left : left;
+#pragma omp simd
+  for (int i = 0; i < half; ++i) out[i] = T((i & 1) == left) * (b[i] * inverse_diagonal[i]);
+#pragma omp simd
+  for (int i = half; i < n; ++i) out[i] = T((i & 1) == right) * (b[i] * inverse_diagonal[i]);
+}
+
+/// Sets the points around the patch to 0, as the viscous operator wants them, on the rows of this member. Sync after.
+template <class T>
+void clear_halo(Team& team, VelocityOf<T>& w) {
+  const int ny = w.patch().ny;
+  const auto clear = [](auto& f, int j) {
+    T* row = f.row(j);
+    if (j < 0 || j >= f.ny()) {
+      std::fill(row - halo, row + f.nx() + halo, T(0));
+    } else {
+      for (int k = 1; k <= halo; ++k) row[-k] = row[f.nx() - 1 + k] = T(0);
+    }
+  };
+  const Rows rows = team.rows(ny + 1 + 2 * halo);
+  for (int j = rows.begin - halo; j < rows.end - halo; ++j) {
+    if (j < ny + halo) clear(w.u, j);
+    clear(w.v, j);
+  }
 }
 
 /// The same unknown with another number type.

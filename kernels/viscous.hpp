@@ -173,9 +173,9 @@ void fill_inverse_diagonal(Team& team, const Boundary& boundary, ViscousCoeffici
 
 /// Coefficients of the next coarser level by full weighting with the weights of P: 1-3-3-1 across (eta_c in
 /// both directions), 1-2-1 along. Means over all that P reaches bound the Galerkin operator from above to
-/// within 4/3, so the coarse correction never overshoots (numerics 1.3); a mean of 4 for eta_c does, by the
-/// contrast / 300. in: fine, halo 1; out: coarse, but for its halo and inverse diagonal. Rows of this member;
-/// sync before and after.
+/// within 4/3, so the coarse correction never overshoots (docs/theory.md, Solvers); a mean of 4 for eta_c
+/// does, by the contrast / 300. in: fine, halo 1; out: coarse, but for its halo and inverse diagonal. Rows of
+/// this member; sync before and after.
 template <class T>
 void coarsen_viscous(Team& team, const ViscousCoefficients<T>& fine, bool periodic_x,
                      ViscousCoefficients<T>& coarse) {

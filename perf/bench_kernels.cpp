@@ -240,15 +240,16 @@ Case advection(int n) {
   Case c{52,
          52,
          [s](Team& team) {
-           const Rows rows = team.rows(row_count(s->w));
-           double* scratch = row_scratch<double>(2 * (s->w.patch().nx + 6));
-           for (int k = rows.begin; k < rows.end; ++k) {
-             double* out = row_of(s->advected, k).data;
-             if (k % 2 == 0 && k / 2 < s->w.u.ny()) {
-               advect_u_row(s->w.u, s->w.v, s->mass, s->dt_h, k / 2, scratch, out);
-             } else {
-               advect_v_row(s->w.u, s->w.v, s->mass, s->dt_h, k / 2, scratch, out);
-             }
+           const int ny = s->w.u.ny();
+           using U = MomentumAdvection<At::xface>;
+           double* scratch = row_scratch<double>(2 * U::scratch_size(ny + 1));
+           const Rows rows = team.rows(ny + 1);
+           U u(s->w.u, s->w.v, s->mass, s->dt_h, rows.begin, scratch);
+           MomentumAdvection<At::yface> v(s->w.u, s->w.v, s->mass, s->dt_h, rows.begin,
+                                          scratch + U::scratch_size(ny + 1));
+           for (int j = rows.begin; j < rows.end; ++j) {
+             if (j < ny) u.next(s->advected.u.row(j));
+             v.next(s->advected.v.row(j));
            }
          },
          [s] { plain::advect(s->w, s->mass, s->dt_h, s->advected_twin); },
@@ -263,7 +264,11 @@ Case shear_rate(int n) {
   const auto s = std::make_shared<Flow>(n);
   Case c{24,
          24,
-         [s](Team& team) { shear_rate_squared(team, s->w.u, s->w.v, s->eta); },
+         [s](Team& team) {
+           const Rows rows = team.rows(s->eta.ny());
+           for (int j = rows.begin; j < rows.end; ++j)
+             shear_rate_squared_row(s->w.u, s->w.v, j, s->eta.row(j));
+         },
          [s] { plain::shear_rate_squared(s->w, s->eta_twin); },
          {},
          double_rounding};
@@ -279,11 +284,10 @@ Case smoothing(int n) {
          16,
          [s](Team& team) {
            const Rows rows = team.rows(s->gamma2.ny());
-           double* scratch = row_scratch<double>(s->gamma2.nx());
            for (int j = rows.begin; j < rows.end; ++j)
-             smooth_row(s->gamma2.row(j), s->gamma2.nx(), pass, false, scratch);
+             smooth_row(s->gamma2.row(j), s->gamma2.nx(), pass, false, s->spare.row(j));
            team.sync();
-           smooth_column(team, s->gamma2, pass, s->eta);
+           for (int j = rows.begin; j < rows.end; ++j) smooth_column_row(s->spare, pass, j, s->eta.row(j));
          },
          [s] { plain::smooth(pass, s->twin, s->spare); },
          {},

@@ -53,7 +53,8 @@ struct Twins {
   Multigrid<Level> fast;
   PlainCycle<Level> plain;
   explicit Twins(const Scene& scene)
-      : fast(scene.patch(), boundary_of(scene)), plain(scene.patch(), boundary_of(scene)) {
+      : fast(scene.patch(), boundary_of(scene), perf::finest_sweeps<Level>),
+        plain(scene.patch(), boundary_of(scene)) {
     random_coefficients(fast.finest());
     plain.finest().a = fast.finest().a;
     plain.finest().b = fast.finest().b;
@@ -87,10 +88,12 @@ Case leg(int n, bool down) {
   const auto s = std::make_shared<Twins<Level>>(silo(n));
   Case c{down ? Bytes<Level>::descend : Bytes<Level>::ascend, Bytes<Level>::held, {}, {}, {}, float_rounding};
   if (down) {
-    c.fast = [s](Team& team) { s->fast.finest().descend(team, 2); };
+    c.fast = [s](Team& team) { s->fast.finest().descend(team, perf::finest_sweeps<Level>); };
     c.plain = [s] { s->plain.descend(0); };
   } else {
-    c.fast = [s](Team& team) { s->fast.finest().ascend(team, s->plain.level(1), 2); };
+    c.fast = [s](Team& team) {
+      s->fast.finest().ascend(team, s->plain.level(1), perf::finest_sweeps<Level>);
+    };
     c.plain = [s] { s->plain.ascend(0); };
   }
   c.difference = [s, c] {

@@ -6,6 +6,10 @@
 
 namespace hourglass::perf {
 
+/// As ViscousSolve and Projection have them.
+template <class Level>
+inline constexpr int finest_sweeps = std::is_same_v<Level, ViscousLevel<float>> ? 1 : 2;
+
 template <class Level>
 class PlainCycle {
  public:
@@ -35,17 +39,17 @@ class PlainCycle {
   void descend(std::size_t l) {
     Level& level = levels_[l];
     level.x.fill(0);
-    for (int s = 0; s < sweeps; ++s) plain::relax(level.a, level.x, level.b, false);
+    for (int s = 0; s < sweeps(l); ++s) plain::relax(level.a, level.x, level.b, false);
     plain::residual(level.a, level.x, level.b, level.r);
   }
   void ascend(std::size_t l) {
     Level& level = levels_[l];
     prolong(levels_[l + 1], level);
-    for (int s = 0; s < sweeps; ++s) plain::relax(level.a, level.x, level.b, true);
+    for (int s = 0; s < sweeps(l); ++s) plain::relax(level.a, level.x, level.b, true);
   }
 
  private:
-  static constexpr int sweeps = 2;
+  static int sweeps(std::size_t l) { return finest_sweeps<Level> + static_cast<int>(l); }
   using Viscous = ViscousLevel<float>;
   using Poisson = PoissonLevel<float>;
   static void restrict(const Viscous& fine, Viscous& coarse) {

@@ -9,7 +9,8 @@ namespace hourglass {
 namespace {
 
 double cell_speed(const Fields& f, int i, int j) {
-  return std::hypot(0.5 * (f.u(i, j) + f.u(i + 1, j)), 0.5 * (f.v(i, j) + f.v(i, j + 1)));
+  const double u = 0.5 * (f.u(i, j) + f.u(i + 1, j)), v = 0.5 * (f.v(i, j) + f.v(i, j + 1));
+  return std::sqrt(u * u + v * v);
 }
 
 }  // namespace
@@ -46,10 +47,11 @@ double slow_fraction(const Fields& fields, double speed, int threads) {
     const Rows rows = team.rows(ny);
     for (int j = rows.begin; j < rows.end; ++j) {
       double s = 0, a = 0;
+#pragma omp simd reduction(+ : s, a)
       for (int i = 0; i < nx; ++i) {
         const double c = fields.grains(i, j);
         a += c;
-        if (c > 0 && cell_speed(fields, i, j) < speed) s += c;
+        s += c * static_cast<double>(cell_speed(fields, i, j) < speed);
       }
       slow[j] = s;
       all[j] = a;

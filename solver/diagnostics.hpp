@@ -33,8 +33,8 @@ struct DischargeWindow {
 };
 DischargeWindow discharge(const Scene& scene, const std::vector<std::array<double, 2>>& time_and_mass);
 
-/// Time after which the discharge counts as developed: 2.5 sqrt(W/g), W the widest orifice (numerics P2:
-/// about two of the thesis's time units for its base scene).
+/// Time after which the discharge counts as developed: 2.5 sqrt(W/g), W the widest orifice: 10.8
+/// sqrt(d/g) for the base scene, as in docs/accuracy.md.
 double start_up_time(const Scene& scene);
 
 }  // namespace hourglass

@@ -1,8 +1,8 @@
 #pragma once
 // Conjugate gradients in double around one V-cycle: unknown and true residual are double; directions and the
-// recursive residual have the preconditioner's precision (numerics P4: the iteration counts are the same),
-// sums are double. Flexible (Polak-Ribiere, Notay 2000) throughout, because a float V-cycle is never exactly
-// symmetric:
+// recursive residual have the preconditioner's precision (docs/accuracy.md, Tolerances: all in double takes
+// as many iterations), sums are double. Flexible (Polak-Ribiere, Notay 2000) throughout, because a float
+// V-cycle is never exactly symmetric:
 //
 //   z = M r,  beta = -(z, q)/(p, q),  p <- z + beta p,  q = A p,  alpha = (z, r)/(p, q),  x += alpha p,  r -= alpha q.
 #include <cmath>

@@ -49,14 +49,15 @@ class PoissonLevel {
   void apply_row(const CellFieldOf<X>& q, int k, X* out) const {
     apply_poisson_row(a, q, k, out);
   }
-  /// x = 0, `sweeps` sweeps, r = b - A x, in one pass through memory. Synced on return, as ascend().
+  /// `sweeps` sweeps from x = 0, r = b - A x, in one pass through memory. Synced on return, as ascend().
   void descend(Team& team, int sweeps) {
     T* scratch = row_scratch<T>(x.nx() + 2);
-    wavefront(team, x.ny(), 2 * sweeps + 2, [&](int s, int j) {
+    wavefront(team, x.ny(), 2 * sweeps + 1, [&](int s, int j) {
       if (s == 0) {
-        std::fill(x.row(j) - halo, x.row(j) + x.nx() + halo, T(0));
-      } else if (s <= 2 * sweeps) {
-        relax_row(x, b, j, (s - 1) % 2, scratch);
+        start_colour(b.row(j), a.inverse_diagonal.row(j), x.nx(), j, 0, x.row(j));
+        wrap(x, j);
+      } else if (s < 2 * sweeps) {
+        relax_row(x, b, j, s % 2, scratch);
       } else {
         residual_row(x, b, r, j);
       }
@@ -150,15 +151,18 @@ class ViscousLevel {
       team.sync();
     }
   }
-  /// x = 0, `sweeps` sweeps, r = b - A x, in one pass through memory. Synced on return, as ascend().
+  /// `sweeps` sweeps from x = 0, r = b - A x, in one pass through memory. Synced on return, as ascend().
   void descend(Team& team, int sweeps) {
     T* scratch = row_scratch<T>(a.eta_c.nx() + 1);
-    wavefront(team, a.eta_c.ny() + 1, 4 * sweeps + 2, [&](int s, int j) {
+    wavefront(team, a.eta_c.ny() + 1, 4 * sweeps + 1, [&](int s, int j) {
       if (s == 0) {
-        if (j < x.u.ny()) std::fill(x.u.row(j) - halo, x.u.row(j) + x.u.nx() + halo, T(0));
+        if (j < x.u.ny()) {
+          start_colour(b.u.row(j), a.inverse_diagonal.u.row(j), x.u.nx(), j, 0, x.u.row(j));
+          wrap(x, 2 * j);
+        }
         std::fill(x.v.row(j) - halo, x.v.row(j) + x.v.nx() + halo, T(0));
-      } else if (s <= 4 * sweeps) {
-        relax_row(x, b, j, (s - 1) % 4, scratch);
+      } else if (s < 4 * sweeps) {
+        relax_row(x, b, j, s % 4, scratch);
       } else {
         if (j < x.u.ny()) residual_row(x, b, r, 2 * j);
         residual_row(x, b, r, j < x.u.ny() ? 2 * j + 1 : 2 * j);

@@ -98,8 +98,10 @@ class CoarsestSolve {
 template <class Level>
 class Multigrid {
  public:
-  /// Halves the patch as long as both extents stay even and at least 2, down to about 16 cells.
-  Multigrid(const Patch& patch, const Boundary& boundary, int sweeps = 2) : sweeps_(sweeps) {
+  /// Halves the patch as long as both extents stay even and at least 2, down to about 16 cells. `finest_sweeps` sweeps
+  /// before and after the correction on the finest level, one more on each coarser one (variable V-cycle, Bramble &
+  /// Pasciak 1987): coarse sweeps are cheap, and they are what makes the count independent of the grid.
+  Multigrid(const Patch& patch, const Boundary& boundary, int finest_sweeps) : finest_sweeps_(finest_sweeps) {
     Patch p = patch;
     Boundary b = boundary;
     levels_.emplace_back(p, b, true);
@@ -111,6 +113,7 @@ class Multigrid {
   }
 
   Level& finest() { return levels_.front(); }
+  const Level& finest() const { return levels_.front(); }
   int depth() const { return static_cast<int>(levels_.size()); }
 
   /// Builds the coarse levels from the finest one's coefficients. Call from every member; synced on return.
@@ -154,6 +157,8 @@ class Multigrid {
     coarsen_below(team, l + 1);
   }
 
+  int sweeps(int l) const { return finest_sweeps_ + l; }
+
   void cycle(Team& team, int l) {
     if (serial(team, l)) {
       if (team.leads()) {
@@ -169,15 +174,15 @@ class Multigrid {
       team.sync();
       return;
     }
-    level.descend(team, sweeps_);
+    level.descend(team, sweeps(l));
     levels_[l + 1].restrict_from(team, level.r);
     cycle(team, l + 1);
-    level.ascend(team, levels_[l + 1], sweeps_);
+    level.ascend(team, levels_[l + 1], sweeps(l));
   }
 
   std::vector<Level> levels_;
   CoarsestSolve<Level> coarsest_;
-  int sweeps_;
+  int finest_sweeps_;
 };
 
 }  // namespace hourglass

@@ -8,7 +8,7 @@ namespace hourglass {
 
 template <class T>
 Projection<T>::Projection(const Patch& patch, const Boundary& boundary)
-    : multigrid_(patch, boundary), krylov_(patch), q_(patch), rhs_(patch), largest_(patch.ny),
+    : multigrid_(patch, boundary, 2), krylov_(patch), q_(patch), rhs_(patch), largest_(patch.ny),
       speed_(patch.ny) {}
 
 template <class T>
@@ -47,22 +47,25 @@ void Projection<T>::assemble(Team& team, const CellField& density) {
 template <class T>
 void Projection<T>::add_gravity_and_pressure(Team& team, const CellField& p, std::array<double, 2> g,
                                              double dt, Velocity& w) const {
-  const auto& beta = const_cast<Multigrid<PoissonLevel<T>>&>(multigrid_).finest().a.beta;
-  const double dt_h = dt / p.patch().h;
   const Rows rows = team.rows(row_count(w));
-  for (int k = rows.begin; k < rows.end; ++k) {
-    auto row = row_of(w, k);
-    const T* __restrict b = row_of(beta, k).data;
-    const bool is_u = k % 2 == 0 && k / 2 < w.u.ny();
-    const double* pc = p.row(k / 2);
-    const double* pm = is_u ? pc - 1 : p.row(k / 2 - 1);
-    const double push = dt * g[is_u ? 0 : 1];
-    double* __restrict out = row.data;
-#pragma omp simd
-    for (int i = 0; i < row.n; ++i)
-      out[i] = b[i] != T(0) ? out[i] + (push - dt_h * static_cast<double>(b[i]) * (pc[i] - pm[i])) : 0;
-  }
+  for (int k = rows.begin; k < rows.end; ++k) add_gravity_and_pressure_row(p, g, dt, w, k);
   team.sync();
+}
+
+template <class T>
+void Projection<T>::add_gravity_and_pressure_row(const CellField& p, std::array<double, 2> g, double dt,
+                                                 Velocity& w, int k) const {
+  const double dt_h = dt / p.patch().h;
+  const auto row = row_of(w, k);
+  const T* __restrict b = row_of(multigrid_.finest().a.beta, k).data;
+  const bool is_u = k % 2 == 0 && k / 2 < w.u.ny();
+  const double* pc = p.row(k / 2);
+  const double* pm = is_u ? pc - 1 : p.row(k / 2 - 1);
+  const double push = dt * g[is_u ? 0 : 1];
+  double* __restrict out = row.data;
+#pragma omp simd
+  for (int i = 0; i < row.n; ++i)
+    out[i] = b[i] != T(0) ? out[i] + (push - dt_h * static_cast<double>(b[i]) * (pc[i] - pm[i])) : 0;
 }
 
 template <class T>
@@ -96,8 +99,6 @@ SolveStats Projection<T>::solve(Team& team, double dt, double tolerance, int max
   const double to_div = dt / q_.patch().h;
   measure_divergence(team, w);
   const Rows rows = team.rows(q_.ny());
-  for (int j = rows.begin; j < rows.end; ++j) std::fill(q_.row(j) - halo, q_.row(j) + q_.nx() + halo, 0.0);
-  team.sync();
   const double floor = 64 * 2.2e-16 * speed_.max();
   const StopRule rule{Measure::maximum, std::max(tolerance / to_div, floor), max_iterations};
   SolveStats stats = krylov_.solve(team, multigrid_, rhs_, q_, rule);
@@ -130,10 +131,15 @@ SolveStats Projection<T>::solve(Team& team, double dt, double tolerance, int max
     if (boundary.periodic_x) wrap_row(row.data, q_.nx());
   }
   const double to_p = q_.patch().h / dt;
+  team.sync();  // q is read across rows above
   for (int j = rows.begin; j < rows.end; ++j) {
-    const double* q = q_.row(j);
-    double* out = p.row(j);
-    for (int i = 0; i < q_.nx(); ++i) out[i] += to_p * (q[i] - mean);
+    double *q = q_.row(j), *out = p.row(j);
+#pragma omp simd
+    for (int i = 0; i < q_.nx(); ++i) {
+      q[i] -= mean;
+      out[i] += to_p * q[i];
+    }
+    if (boundary.periodic_x) wrap_row(q, q_.nx());
     if (boundary.periodic_x) wrap_row(out, q_.nx());
   }
   team.sync();

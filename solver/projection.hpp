@@ -18,6 +18,12 @@ class Projection {
   /// u* += Δt (g - β ∂p) on unknown faces. in: p halo 0 (wrapped where periodic); inout: w, interior.
   void add_gravity_and_pressure(Team& team, const CellField& p, std::array<double, 2> gravity, double dt,
                                 Velocity& w) const;
+  /// The same on row k (row_of) alone, without a sync.
+  void add_gravity_and_pressure_row(const CellField& p, std::array<double, 2> gravity, double dt, Velocity& w,
+                                    int k) const;
+
+  /// The first guess of δp is that of the solve before; this makes it 0. Call from one member.
+  void forget() { q_.fill(0); }
 
   /// in: w = u**, 0 on walls; out: w solenoidal to max |div w| dt <= tolerance, p updated (halo wrapped where
   /// periodic). The statistics are in units of div dt.
@@ -34,7 +40,8 @@ class Projection {
 
   Multigrid<PoissonLevel<T>> multigrid_;
   Krylov<PoissonLevel<T>> krylov_;
-  CellField q_, rhs_;
+  CellField q_;  ///< δp Δt / h of the last solve, the guess of the next: a restart must keep it
+  CellField rhs_;
   RowSums largest_, speed_;
 };
 

@@ -18,24 +18,42 @@ RheologyStage::RheologyStage(const Scene& scene, const Patch& patch, const Bound
   if (law_ == Law::newtonian) return;  // no shear rate needed, none stored
   passes_ = smoothing_passes(scene.rheology.smoothing_length, patch.h);
   gamma2_ = CellField(patch);
-  if (!passes_.empty()) weight_ = CellField(patch);
+  if (passes_.empty()) return;
+  weighted_ = CellField(patch);
+  weight_ = CellField(patch);
 }
 
-/// |γ̇|^2 <- Σ c |γ̇|^2 / Σ c over the smoothing kernel: a mean over grains, neither over air nor over walls.
-void RheologyStage::smooth(Team& team, CellField& spare) {
-  const int nx = gamma2_.nx();
-  const Rows rows = team.rows(gamma2_.ny());
-  thread_local std::vector<double> scratch;
-  scratch.resize(nx);
-  for (const SmoothingPass& pass : passes_)
-    for (CellField* f : {&gamma2_, &weight_}) {
-      for (int j = rows.begin; j < rows.end; ++j) smooth_row(f->row(j), nx, pass, periodic_, scratch.data());
-      team.sync();
-      smooth_column(team, *f, pass, spare);
+/// All but the last half pass of |γ̇|^2 <- Σ c |γ̇|^2 / Σ c over the smoothing kernel, a mean over grains, neither over
+/// air nor over walls: numerator and weight after all passes in x and all but one in y. Synced on return.
+void RheologyStage::smooth(Team& team, const Fields& fields, CellField& spare) {
+  const int nx = weight_.nx();
+  const Rows rows = team.rows(weight_.ny());
+  double* __restrict line = row_scratch<double>(nx);
+  for (std::size_t k = 0; k < passes_.size(); ++k) {
+    for (int j = rows.begin; j < rows.end; ++j) {
+      const double* __restrict c = fields.grains.row(j);
+      if (k == 0) {
+        shear_rate_squared_row(fields.u, fields.v, j, line);
+#pragma omp simd
+        for (int i = 0; i < nx; ++i) line[i] *= c[i];
+        smooth_row(line, nx, passes_[k], periodic_, weighted_.row(j));
+        smooth_row(c, nx, passes_[k], periodic_, weight_.row(j));
+        continue;
+      }
+      for (CellField* f : {&weighted_, &weight_}) {
+        std::copy(f->row(j), f->row(j) + nx, line);
+        smooth_row(line, nx, passes_[k], periodic_, f->row(j));
+      }
+    }
+    team.sync();
+    if (k + 1 == passes_.size()) return;
+    for (CellField* f : {&weighted_, &weight_}) {
+      for (int j = rows.begin; j < rows.end; ++j) smooth_column_row(*f, passes_[k], j, spare.row(j));
       team.sync();
       if (team.leads()) f->swap(spare);
       team.sync();
     }
+  }
 }
 
 LimitCounts RheologyStage::update(const Fields& fields, int threads, CellField& eta) {
@@ -54,39 +72,35 @@ LimitCounts RheologyStage::update(const Fields& fields, int threads, CellField& 
         }
       return;
     }
-    hourglass::shear_rate_squared(team, fields.u, fields.v, gamma2_);
-    if (!passes_.empty()) {
-      for (int j = rows.begin; j < rows.end; ++j) {
-        const double* c = fields.grains.row(j);
-        double *a = gamma2_.row(j), *w = weight_.row(j);
-        for (int i = 0; i < nx; ++i) {
-          w[i] = c[i];
-          a[i] *= c[i];
-        }
-      }
-      smooth(team, eta);
-      for (int j = rows.begin; j < rows.end; ++j) {
-        const double* w = weight_.row(j);
-        double* a = gamma2_.row(j);
-        for (int i = 0; i < nx; ++i) a[i] = w[i] > 1e-12 ? std::max(a[i], 0.0) / w[i] : 0;
-      }
-    }
+    if (!passes_.empty()) smooth(team, fields, eta);
+    double* __restrict weight = row_scratch<double>(nx);
     std::vector<const double*> tracers(fields.tracers.size());
     for (int j = rows.begin; j < rows.end; ++j) {
       const double *c = fields.grains.row(j), *p = fields.p.row(j);
-      double* e = eta.row(j);
+      double *e = eta.row(j), *__restrict g2 = gamma2_.row(j);
+      if (passes_.empty()) {
+        shear_rate_squared_row(fields.u, fields.v, j, g2);
+      } else {
+        smooth_column_row(weighted_, passes_.back(), j, g2);
+        smooth_column_row(weight_, passes_.back(), j, weight);
+#pragma omp simd
+        for (int i = 0; i < nx; ++i)
+          g2[i] = weight[i] > 1e-12 ? std::max(g2[i], 0.0) / std::max(weight[i], 1e-12) : 0.0;
+      }
       if (equal_properties_) {
-        granular_viscosity_row(gamma2_.row(j), p, c, nx, grains_[0], limits_, e);
+        granular_viscosity_row(g2, p, c, nx, grains_[0], limits_, e);
       } else {
         for (std::size_t k = 0; k < tracers.size(); ++k) tracers[k] = fields.tracers[k].row(j);
-        blended_viscosity_row(gamma2_.row(j), p, c, tracers, nx, grains_, limits_, e);
+        blended_viscosity_row(g2, p, c, tracers, nx, grains_, limits_, e);
       }
-      LimitCounts counts;
+      double capped = 0, floored = 0;  // numbers, not integers, for the vector unit's sake
+#pragma omp simd reduction(+ : capped, floored)
       for (int i = 0; i < nx; ++i) {
-        counts.capped += c[i] > 0.5 && e[i] >= 0.999 * c[i] * limits_.eta_max;
-        counts.floored += c[i] > 0.5 && e[i] <= 1.001 * (c[i] * limits_.eta_min + (1 - c[i]) * limits_.air);
+        const double air = (1 - c[i]) * limits_.air;
+        capped += static_cast<double>((c[i] > 0.5) & (e[i] >= 0.999 * c[i] * limits_.eta_max));
+        floored += static_cast<double>((c[i] > 0.5) & (e[i] <= 1.001 * (c[i] * limits_.eta_min + air)));
       }
-      row_counts_[j] = counts;
+      row_counts_[j] = {static_cast<long>(capped), static_cast<long>(floored)};
     }
   });
   LimitCounts total;

@@ -20,10 +20,10 @@ class RheologyStage {
   /// |γ̇|^2 as the law saw it last, smoothed [1/T^2].
   const CellField& shear_rate_squared() const { return gamma2_; }
   Grain grain(int material) const { return grains_[material]; }
-  std::size_t bytes() const { return gamma2_.bytes() + weight_.bytes(); }
+  std::size_t bytes() const { return gamma2_.bytes() + weighted_.bytes() + weight_.bytes(); }
 
  private:
-  void smooth(Team& team, CellField& spare);
+  void smooth(Team& team, const Fields& fields, CellField& spare);
 
   Law law_;
   std::vector<Grain> grains_;
@@ -32,7 +32,7 @@ class RheologyStage {
   ViscosityLimits limits_;
   bool periodic_;
   std::vector<SmoothingPass> passes_;
-  CellField gamma2_, weight_;
+  CellField gamma2_, weighted_, weight_;
   std::vector<LimitCounts> row_counts_;
 };
 

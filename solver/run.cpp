@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <new>
 #include <stdexcept>
 
 #include "solver/diagnostics.hpp"
@@ -37,6 +38,8 @@ class Cadence {
     last_ = t;
     return true;
   }
+  /// t, or the due time that it differs from by rounding only.
+  double snapped(double t) const { return std::abs(t - next_) < 1e-12 * next_ ? next_ : t; }
   /// Whether the end of the run at t still has to be shown.
   bool owes(double t) const { return interval_ > 0 && last_ < t; }
 
@@ -70,6 +73,18 @@ class Run {
   }
 
   Summary to_end() {
+    try {
+      steps();
+    } catch (const std::bad_alloc&) {
+      fail("out of memory");
+    } catch (const std::exception& error) {  // of an observer: the disk is full, say
+      fail(error.what());
+    }
+    return summarise();
+  }
+
+ private:
+  void steps() {
     StepReport report;
     report.t = s_.t;
     tell(report);
@@ -77,6 +92,9 @@ class Run {
       const auto start = Clock::now();
       try {
         report = simulation_.step(scene_.time.end > 0 ? scene_.time.end : 1e300);
+        if (report.limit != DtLimit::end)
+          for (const Cadence* cadence : {&series_, &frames_, &pictures_}) s_.t = cadence->snapped(s_.t);
+        report.t = s_.t;
       } catch (const std::runtime_error& error) {
         end(Status::diverged, error.what());
         break;
@@ -97,10 +115,13 @@ class Run {
       outside_ += seconds_since(after);
     }
     if (summary_.status != Status::diverged || not_finite(s_.fields).empty()) tell_end(report);
-    return summarise();
   }
-
- private:
+  void fail(const std::string& reason) {
+    if (summary_.status == Status::diverged)
+      warn(reason);
+    else
+      end(Status::interrupted, reason);
+  }
   void end(Status status, const std::string& reason) {
     ended_ = true;
     summary_.status = status;

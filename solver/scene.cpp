@@ -403,9 +403,9 @@ void check_numerics(const Scene& s, Problems& p) {
   p.require(r.background_pressure >= 0, path + "background_pressure", r.background_pressure, ">= 0");
   const Accuracy& a = s.accuracy;
   p.require(a.viscous_tolerance > 0 && a.viscous_tolerance < 1, "accuracy.viscous_tolerance",
-            a.viscous_tolerance, "above 0, below 1", "1e-3 is balanced.");
+            a.viscous_tolerance, "above 0, below 1", "5e-3 is balanced.");
   p.require(a.pressure_tolerance > 0 && a.pressure_tolerance < 1, "accuracy.pressure_tolerance",
-            a.pressure_tolerance, "above 0, below 1", "1e-6 is balanced.");
+            a.pressure_tolerance, "above 0, below 1", "3e-6 is balanced.");
   p.require(a.max_iterations >= 1, "accuracy.max_iterations", a.max_iterations, ">= 1");
   p.require(s.threads >= 0 && s.threads <= 1024, "threads", s.threads, "0 to 1024", "0 takes all cores.");
 }

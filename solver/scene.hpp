@@ -26,11 +26,11 @@ inline constexpr std::array law_names{"mu_I", "newtonian"};
 enum class CornerMean { harmonic, arithmetic };
 inline constexpr std::array corner_mean_names{"harmonic", "arithmetic"};
 /// Weight of the shear at a corner where a wall ends and an orifice begins, in units of a free corner's
-/// (a full wall corner has 2): numerics P2, cases c0, c2, c4.
+/// (a full wall corner has 2): docs/accuracy.md, "The two corners of an orifice".
 enum class EdgeRule { half_wall, free, wall };
 inline constexpr std::array edge_rule_names{"half_wall", "free", "wall"};
-/// Pressure at the start: zero lets an orifice flow at once (numerics P1); hydrostatic holds a closed tank
-/// still.
+/// Pressure at the start: zero lets an orifice flow at once (docs/theory.md, Start); hydrostatic holds a
+/// closed tank still.
 enum class StartPressure { zero, hydrostatic };
 inline constexpr std::array start_pressure_names{"zero", "hydrostatic"};
 /// Precision inside the preconditioner and the Krylov directions; unknowns and residuals are always double.
@@ -95,8 +95,8 @@ struct Stop {
 
 /// The levers that trade speed for accuracy; `accuracy:` in a scene file.
 struct Accuracy {
-  double viscous_tolerance = 1e-3;   ///< energy norm of the error over that of the flow
-  double pressure_tolerance = 1e-6;  ///< max |div u| dt
+  double viscous_tolerance = 5e-3;   ///< energy norm of the error over that of the flow
+  double pressure_tolerance = 3e-6;  ///< max |div u| dt
   int max_iterations = 200;
   Precision precision = Precision::mixed;
   bool operator==(const Accuracy&) const = default;
@@ -106,7 +106,7 @@ struct Output {
   double series_every = 0.27;     ///< [T]
   double fields_every = 5.48;     ///< [T]; 0: none
   double snapshots_every = 5.48;  ///< [T]; 0: none
-  std::vector<std::string> fields{"speed", "pressure", "tracer"};
+  std::vector<std::string> fields{"speed", "pressure", "grains", "tracer"};
   bool operator==(const Output&) const = default;
 };
 

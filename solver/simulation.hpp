@@ -82,7 +82,8 @@ class Simulation {
 
   /// One time step, not past `t_limit`.
   StepReport step(double t_limit = 1e300);
-  /// Steps to the end of the scene, telling the observers.
+  /// Steps to the end of the scene, telling the observers. An exception of an observer ends the run as
+  /// `interrupted`, with its words as the reason.
   Summary run(const std::vector<Observer*>& observers = {});
 
   const Scene& scene() const;

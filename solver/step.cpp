@@ -20,7 +20,7 @@ class StepperOf final : public Stepper {
   StepperOf(const Scene& scene, const Boundary& boundary, int threads)
       : scene_(scene), boundary_(boundary), threads_(threads), patch_(scene.patch()),
         vof_(patch_, static_cast<int>(scene.materials.size()), {boundary.periodic_x}),
-        rheology_(scene, patch_, boundary), mass_(patch_), eta_(patch_), star_(patch_), velocity_(patch_),
+        rheology_(scene, patch_, boundary), mass_(patch_), eta_(patch_), star_(patch_),
         viscous_(patch_, boundary), projection_(patch_, boundary) {}
 
   void set_threads(int threads) override { threads_ = threads; }
@@ -45,29 +45,25 @@ class StepperOf final : public Stepper {
     parallel(threads_, [&](Team& team) {
       // ∇·(β ∇p) = ∇·g is the projection of g Δt from p = 0; Δt = 1 keeps the units.
       projection_.assemble(team, mass_.density);
-      const Rows rows = team.rows(row_count(velocity_));
-      for (int k = rows.begin; k < rows.end; ++k) {
-        auto row = row_of(velocity_, k);
-        std::fill(row.data, row.data + row.n, 0.0);
-      }
+      if (team.leads()) star_.fill(0);
       team.sync();
-      projection_.add_gravity_and_pressure(team, fields.p, scene_.gravity, 1, velocity_);
-      projection_.solve(team, 1, 1e-13, scene_.accuracy.max_iterations, velocity_, fields.p);
+      projection_.add_gravity_and_pressure(team, fields.p, scene_.gravity, 1, star_);
+      projection_.solve(team, 1, 1e-13, scene_.accuracy.max_iterations, star_, fields.p);
     });
+    projection_.forget();
   }
 
   SolveStats project(Fields& fields, double dt) override {
     transport_mass(fields, 0);
     SolveStats stats;
     parallel(threads_, [&](Team& team) {
-      copy_velocity(team, fields, velocity_);
       projection_.assemble(team, mass_.density);
-      projection_.add_gravity_and_pressure(team, fields.p, {0, 0}, 0, velocity_);  // zeroes walls
+      projection_.add_gravity_and_pressure(team, fields.p, {0, 0}, 0, fields);  // zeroes walls
       const SolveStats s = projection_.solve(team, dt, scene_.accuracy.pressure_tolerance,
-                                             scene_.accuracy.max_iterations, velocity_, fields.p);
-      store_velocity(team, fields);
+                                             scene_.accuracy.max_iterations, fields, fields.p);
       if (team.leads()) stats = s;
     });
+    projection_.forget();
     fill_velocity_halo(boundary_, fields.u, fields.v);
     return stats;
   }
@@ -79,7 +75,7 @@ class StepperOf final : public Stepper {
     return {{"volume of fluid", vof_.bytes()},
             {"mass transport", mass_.bytes()},
             {"rheology", rheology_.bytes() + eta_.bytes()},
-            {"momentum", star_.bytes() + velocity_.bytes()},
+            {"momentum", star_.bytes()},
             {"viscous solve", viscous_.bytes()},
             {"projection", projection_.bytes()}};
   }
@@ -131,48 +127,53 @@ class StepperOf final : public Stepper {
     });
   }
 
-  /// star_ = u*, velocity_ = u^n as the viscous solve's first guess.
+  /// star_ = u*.
   void predict_momentum(const Fields& fields, double dt) {
     parallel(threads_, [&](Team& team) {
       projection_.assemble(team, mass_.density);
       const int nx = patch_.nx, ny = patch_.ny;
       const double dt_h = dt / patch_.h;
-      thread_local std::vector<double> scratch, advected;
-      scratch.resize(2 * (nx + 6));
-      advected.resize(nx + 1);
-      copy_velocity(team, fields, velocity_);
-      const Rows rows = team.rows(row_count(velocity_));
-      for (int k = rows.begin; k < rows.end; ++k) {
-        const int j = k / 2;
-        const double* old = row_of(velocity_, k).data;
-        auto out = row_of(star_, k);
-        if (k % 2 == 0 && j < ny) {
-          advect_u_row(fields.u, fields.v, mass_, dt_h, j, scratch.data(), advected.data());
-          const double* rho = mass_.density.row(j);
+      constexpr auto size = &MomentumAdvection<At::xface>::scratch_size;
+      double* scratch = row_scratch<double>(2 * size(nx + 1));
+      const Rows rows = team.rows(ny + 1);
+      MomentumAdvection<At::xface> of_u(fields.u, fields.v, mass_, dt_h, rows.begin, scratch);
+      MomentumAdvection<At::yface> of_v(fields.u, fields.v, mass_, dt_h, rows.begin, scratch + size(nx + 1));
+      for (int j = rows.begin; j < rows.end; ++j) {
+        const double *below = mass_.density.row(j - 1), *above = mass_.density.row(j);
+        if (j < ny) {
+          const double* old = fields.u.row(j);
+          double* __restrict out = star_.u.row(j);
+          of_u.next(out);
+          const double left = old[0] - 2 * out[0] / above[0];  // half a control volume
+          const double right = old[nx] - 2 * out[nx] / above[nx - 1];
 #pragma omp simd
-          for (int i = 0; i <= nx; ++i) out.data[i] = old[i] - 2 * advected[i] / (rho[i - 1] + rho[i]);
-          if (!boundary_.periodic_x)  // half a control volume; the halo's density is a copy
-            for (int i : {0, nx}) out.data[i] = old[i] - 2 * advected[i] / rho[std::min(i, nx - 1)];
-        } else {
-          advect_v_row(fields.u, fields.v, mass_, dt_h, j, scratch.data(), advected.data());
-          const double share = j == 0 || j == ny ? 0.5 : 1.0;
-          const double *below = mass_.density.row(j - 1), *above = mass_.density.row(j);
-#pragma omp simd
-          for (int i = 0; i < nx; ++i)
-            out.data[i] = old[i] - 2 * advected[i] / (share * (below[i] + above[i]));
+          for (int i = 0; i <= nx; ++i) out[i] = old[i] - 2 * out[i] / (above[i - 1] + above[i]);
+          if (!boundary_.periodic_x) {
+            out[0] = left;
+            out[nx] = right;
+          }
+          projection_.add_gravity_and_pressure_row(fields.p, scene_.gravity, dt, star_, 2 * j);
         }
+        const double* old = fields.v.row(j);
+        const double share = j == 0 || j == ny ? 0.5 : 1.0;
+        double* __restrict out = star_.v.row(j);
+        of_v.next(out);
+#pragma omp simd
+        for (int i = 0; i < nx; ++i) out[i] = old[i] - 2 * out[i] / (share * (below[i] + above[i]));
+        projection_.add_gravity_and_pressure_row(fields.p, scene_.gravity, dt, star_,
+                                                 j < ny ? 2 * j + 1 : 2 * j);
       }
-      team.sync();
-      projection_.add_gravity_and_pressure(team, fields.p, scene_.gravity, dt, star_);
     });
   }
 
-  SolveStats solve_viscous(const Fields&, double dt) {
+  /// fields: u^n, the first guess, becomes u**.
+  SolveStats solve_viscous(Fields& fields, double dt) {
     SolveStats stats;
     const double g = std::hypot(scene_.gravity[0], scene_.gravity[1]);
     parallel(threads_, [&](Team& team) {
       viscous_.assemble(team, eta_, scene_.rheology.corner_mean == CornerMean::harmonic, mass_.density, dt);
-      const SolveStats s = viscous_.solve(team, star_, velocity_, scene_.accuracy.viscous_tolerance, g * dt,
+      clear_halo(team, fields);
+      const SolveStats s = viscous_.solve(team, star_, fields, scene_.accuracy.viscous_tolerance, g * dt,
                                           scene_.accuracy.max_iterations);
       if (team.leads()) stats = s;
     });
@@ -183,29 +184,11 @@ class StepperOf final : public Stepper {
     SolveStats stats;
     parallel(threads_, [&](Team& team) {
       const SolveStats s = projection_.solve(team, dt, scene_.accuracy.pressure_tolerance,
-                                             scene_.accuracy.max_iterations, velocity_, fields.p);
-      store_velocity(team, fields);
+                                             scene_.accuracy.max_iterations, fields, fields.p);
       if (team.leads()) stats = s;
     });
     fill_velocity_halo(boundary_, fields.u, fields.v);
     return stats;
-  }
-
-  void copy_velocity(Team& team, const Fields& fields, Velocity& to) const {
-    const Rows rows = team.rows(patch_.ny + 1);
-    for (int j = rows.begin; j < rows.end; ++j) {
-      if (j < patch_.ny) std::copy(fields.u.row(j), fields.u.row(j) + patch_.nx + 1, to.u.row(j));
-      std::copy(fields.v.row(j), fields.v.row(j) + patch_.nx, to.v.row(j));
-    }
-    team.sync();
-  }
-  void store_velocity(Team& team, Fields& fields) const {
-    const Rows rows = team.rows(patch_.ny + 1);
-    for (int j = rows.begin; j < rows.end; ++j) {
-      if (j < patch_.ny) std::copy(velocity_.u.row(j), velocity_.u.row(j) + patch_.nx + 1, fields.u.row(j));
-      std::copy(velocity_.v.row(j), velocity_.v.row(j) + patch_.nx, fields.v.row(j));
-    }
-    team.sync();
   }
 
   const Scene& scene_;
@@ -216,7 +199,7 @@ class StepperOf final : public Stepper {
   RheologyStage rheology_;
   MassTransport mass_;
   CellField eta_;
-  Velocity star_, velocity_;
+  Velocity star_;
   ViscousSolve<T> viscous_;
   Projection<T> projection_;
 };

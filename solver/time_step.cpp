@@ -63,7 +63,8 @@ TimeStep choose_time_step(const Scene& scene, const FastestCells& fastest, doubl
   } else if (g > 0) {
     limit(0.1 * std::sqrt(h / g), DtLimit::growth);
   }
-  limit(t_left, DtLimit::end);
+  // All that is left, if no more than rounding is beyond the step: it would be a step of its own, of 1e-15.
+  if (t_left < best.dt * (1 + 1e-9)) best = {t_left, DtLimit::end};
   return best;
 }
 

@@ -57,6 +57,7 @@ SolveStats ViscousSolve<T>::solve(Team& team, Velocity& star, Velocity& x, doubl
     level.mask(x, k);
     level.wrap(x, k);
     double e = 0;
+#pragma omp simd reduction(+ : e)
     for (int i = 0; i < b.n; ++i) {
       const double mass = m[i], speed = b.data[i];
       e += mass * (speed * speed + gravity_speed * gravity_speed);

@@ -9,7 +9,7 @@ namespace hourglass {
 template <class T>
 class ViscousSolve {
  public:
-  ViscousSolve(const Patch& patch, const Boundary& boundary) : multigrid_(patch, boundary), krylov_(patch) {}
+  ViscousSolve(const Patch& patch, const Boundary& boundary) : multigrid_(patch, boundary, 1), krylov_(patch) {}
 
   /// Coefficients of all levels. in: eta in cells [M/T], density halo 2 [M/L^2]. Synced on return.
   void assemble(Team& team, const CellField& eta, bool harmonic_corners, const CellField& density, double dt);

@@ -2,12 +2,14 @@
 """Runs hourglass as a user would, on bad input above all: exit status, messages, and that nothing is written."""
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
+from xml.etree import ElementTree
 
 PROGRAM = os.path.abspath(sys.argv.pop(1))
 
@@ -156,6 +158,49 @@ class CommandLine(unittest.TestCase):
                 self.assertEqual(process.returncode, status, stderr)
                 with open(os.path.join(out, "summary.json")) as file:
                     self.assertEqual(json.load(file)["status"], "interrupted")
+
+    def small_disk(self):
+        """A folder on a disk of 2 MiB, which takes root."""
+        disk = self.path("disk")
+        os.mkdir(disk)
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=2m", "none", disk], capture_output=True).returncode:
+            self.skipTest("may not mount a small disk here")
+        self.addCleanup(subprocess.run, ["umount", "--lazy", disk])
+        return disk
+
+    def test_a_full_disk_leaves_a_whole_run_with_a_summary(self):
+        disk = self.small_disk()
+        ballast, out = os.path.join(disk, "ballast"), os.path.join(disk, "run")
+        self.scene(time="time: {end: 1e6}")
+        cases = [  # what fills the disk, of which so much is taken
+            ("fields[.]", "{fields_every: 0.01, snapshots_every: 0}", 1_000_000),
+            ("series[.]csv", "{series_every: 0.01, fields_every: 0, snapshots_every: 0}", 1_900_000),
+            ("speed_", "{fields_every: 0, snapshots_every: 0.01, fields: [speed]}", 1_000_000),
+        ]
+        for culprit, output, taken in cases:
+            with self.subTest(culprit=culprit):
+                shutil.rmtree(out, ignore_errors=True)
+                with open(ballast, "wb") as file:
+                    file.write(bytes(taken))
+                result = self.hourglass("run", "scene.yaml", "--out", out, "--quiet", "--set", f"output={output}")
+                self.assertEqual(result.returncode, 1, result.stderr)
+                cause = result.stderr.rstrip("\n")
+                self.assertRegex(cause, f"^[^\n]*{culprit}[^\n]*: No space left on device$")
+                with open(os.path.join(out, "summary.json")) as file:
+                    summary = json.load(file)
+                self.assertEqual((summary["status"], summary["reason"]), ("interrupted", cause))
+                self.assertGreater(summary["steps"], 0)
+                with open(os.path.join(out, "series.csv")) as file:
+                    series = file.read()
+                self.assertTrue(series.endswith("\n"))
+                self.assertEqual(len({line.count(",") for line in series.splitlines()}), 1)
+                self.assertFalse([name for _, _, names in os.walk(out) for name in names if name.endswith(".new")])
+                os.remove(ballast)
+                if culprit == "fields[.]":  # whose frames can be read
+                    frames = ElementTree.parse(os.path.join(out, "fields.xdmf")).findall(".//Time")
+                    self.assertGreater(len(frames), 1)
+                    result = self.hourglass("render", out, "--field", "speed", "--time", frames[-1].get("Value"))
+                    self.assertEqual(result.returncode, 0, result.stderr)
 
 
 if __name__ == "__main__":

@@ -101,9 +101,10 @@ TEST_CASE("a run leaves scene, series, fields, snapshots, summary and log", "[io
   CHECK(reader.names(0) == std::vector<std::string>{"grains", "speed", "tracer"});
   CHECK(reader.read(0, {"tracer"}).field("tracer")(0, 10) == 1);
 
-  for (const char* field : {"speed", "tracer", "grains"}) {
+  for (const char* field : {"speed", "tracer"}) {
     for (int k = 0; k < 3; ++k) CHECK(fs::file_size(snapshot_path(folder.path, field, k)) > 1000);
   }
+  CHECK_FALSE(fs::exists(snapshot_path(folder.path, "grains", 0)));  // stored, but not asked for
 
   const YAML::Node json = YAML::LoadFile(folder.path / "summary.json");  // YAML holds JSON
   for (const char* key : {"status", "reason", "discharge_rate", "discharge_constant", "discharge_window",
@@ -153,6 +154,26 @@ TEST_CASE("a run leaves scene, series, fields, snapshots, summary and log", "[io
   }
 }
 
+TEST_CASE("'render' leaves the snapshots of other times alone", "[io]") {
+  const Folder folder;
+  Scene scene = small_silo();
+  scene.output.snapshots_every = 0.1;
+  scene.output.fields = {"speed"};
+  run(scene, {folder.path, false, true});
+  const auto pictures = [&] { return std::distance(fs::directory_iterator(folder.path / "snapshots"), {}); };
+  CHECK(pictures() == 6);
+  const std::string before =
+      text_of(snapshot_path(folder.path, "speed", 1));  // of t = 0.1; frame 1 is of 0.25
+  CHECK(render_run(folder.path, {"speed"}, {0, 0.25}) == 0);
+  CHECK(text_of(snapshot_path(folder.path, "speed", 1)) == before);
+  CHECK(fs::exists(folder.path / "snapshots" / "speed_t0.png"));
+  CHECK(pictures() == 8);
+
+  scene.output.snapshots_every = 0;
+  run(scene, {folder.path, true, true});  // clears them away
+  CHECK(pictures() == 0);
+}
+
 TEST_CASE("files that no run wrote are never replaced", "[io]") {
   const Folder folder;
   fs::create_directories(folder.path);
@@ -166,6 +187,16 @@ TEST_CASE("files that no run wrote are never replaced", "[io]") {
   CHECK_THROWS_WITH(RunFolder(small_silo(), "", {folder.path / "scene.yaml", true, true}),
                     Catch::Contains("is a file"));
   CHECK_THROWS_AS(RunFolder(small_silo(), "", {"/proc/nowhere/x", false, true}), std::runtime_error);
+}
+
+TEST_CASE("a run that could not begin does not stand in the way of the next", "[io]") {
+  const Folder folder;
+  fs::create_directories(folder.path);
+  for (const char* name : {"run.log", "summary.json.new"}) std::ofstream(folder.path / name);
+  Scene scene = small_silo();
+  scene.time.max_steps = 1;
+  CHECK(run(scene, {folder.path, false, true}).steps == 1);
+  CHECK_FALSE(fs::exists(folder.path / "summary.json.new"));
 }
 
 TEST_CASE("JSON escapes text and keeps every digit", "[io]") {

@@ -199,6 +199,31 @@ TEST_CASE("words of accuracy") {
          {"bad.yaml:11 accuracy:", "'fst'", "fast, balanced, accurate", "Did you mean 'fast'?"});
 }
 
+TEST_CASE("a word of accuracy may be changed in part") {
+  const File file(sound_with(11, "accuracy: fast"));
+  const auto with = [&](const std::vector<std::string>& overrides) {
+    const Loaded loaded = load_scene(file.path(), overrides);
+    INFO(messages(loaded));
+    CHECK(loaded.ok());
+    return loaded.scene.accuracy;
+  };
+  const Accuracy fast_in_double{1e-2, 1e-5, 200, Precision::full};
+  CHECK(with({"accuracy.precision=full"}) == fast_in_double);
+  CHECK(with({"accuracy={precision: full, preset: fast}"}) == fast_in_double);
+  CHECK(with({"accuracy=balanced", "accuracy.precision=full"}) == Accuracy{.precision = Precision::full});
+  CHECK(with({"accuracy.precision=full", "accuracy=accurate"}) ==
+        Accuracy{.viscous_tolerance = 1e-4, .pressure_tolerance = 1e-8});
+  CHECK(with({"accuracy.precision=full", "accuracy.preset=accurate"}) ==
+        Accuracy{1e-4, 1e-8, 200, Precision::full});
+  CHECK_THAT(messages(load_scene(file.path(), {"accuracy.precison=full"})),
+             Catch::Contains("--set accuracy.precison=full accuracy.precison: unknown key. Did you mean"));
+}
+
+TEST_CASE("a preset of accuracy is one of its words") {
+  expect(11, "accuracy: {preset: fst}", {"bad.yaml:11 accuracy.preset:", "'fst'", "Did you mean 'fast'?"});
+  expect(11, "accuracy: {preset: [fast]}", {"bad.yaml:11 accuracy.preset:", "a list"});
+}
+
 TEST_CASE("files that are no scenes") {
   const auto only = [](const fs::path& path) {
     const Loaded loaded = load_scene(path);

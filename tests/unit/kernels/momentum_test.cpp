@@ -15,9 +15,14 @@ namespace {
 [[gnu::noinline]] Velocity advected(const Velocity& w, const MassTransport& mass, double dt_h) {
   const int nx = w.patch().nx, ny = w.patch().ny;
   Velocity out(w.patch());
-  std::vector<double> scratch(2 * (nx + 6));
-  for (int j = 0; j < ny; ++j) advect_u_row(w.u, w.v, mass, dt_h, j, scratch.data(), out.u.row(j));
-  for (int j = 0; j <= ny; ++j) advect_v_row(w.u, w.v, mass, dt_h, j, scratch.data(), out.v.row(j));
+  std::vector<double> scratch(MomentumAdvection<At::xface>::scratch_size(nx + 1));
+  MomentumAdvection<At::xface> of_u(w.u, w.v, mass, dt_h, 0, scratch.data());
+  for (int j = 0; j < ny; ++j) of_u.next(out.u.row(j));
+  // In two parts, as two threads would.
+  for (const auto& [first, last] : {std::pair{0, ny / 3}, {ny / 3, ny + 1}}) {
+    MomentumAdvection<At::yface> of_v(w.u, w.v, mass, dt_h, first, scratch.data());
+    for (int j = first; j < last; ++j) of_v.next(out.v.row(j));
+  }
   return out;
 }
 

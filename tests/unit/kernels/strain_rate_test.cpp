@@ -21,8 +21,7 @@ CellField of_linear_flow(double a, double b, double c, double e) {
   for (int j = -1; j <= patch.ny + 1; ++j)
     for (int i = -1; i <= patch.nx; ++i) v(i, j) = c * patch.x_centre(i) + e * patch.y_corner(j);
   CellField gamma2(patch);
-  Team alone;
-  shear_rate_squared(alone, u, v, gamma2);
+  for (int j = 0; j < patch.ny; ++j) shear_rate_squared_row(u, v, j, gamma2.row(j));
   return gamma2;
 }
 
@@ -33,14 +32,17 @@ void expect_everywhere(const CellField& f, double value) {
   CHECK(worst < 1e-13);
 }
 
+void smooth_in_place(double* row, int n, const SmoothingPass& pass, bool periodic) {
+  const std::vector<double> before(row, row + n);
+  smooth_row(before.data(), n, pass, periodic, row);
+}
+
 /// All passes over a field, as the solver makes them.
 CellField smoothed(CellField f, const std::vector<SmoothingPass>& passes, bool periodic = false) {
-  Team alone;
-  std::vector<double> scratch(f.nx());
   CellField spare(f.patch());
   for (const SmoothingPass& pass : passes) {
-    for (int j = 0; j < f.ny(); ++j) smooth_row(f.row(j), f.nx(), pass, periodic, scratch.data());
-    smooth_column(alone, f, pass, spare);
+    for (int j = 0; j < f.ny(); ++j) smooth_in_place(f.row(j), f.nx(), pass, periodic);
+    for (int j = 0; j < f.ny(); ++j) smooth_column_row(f, pass, j, spare.row(j));
     f.swap(spare);
   }
   return f;
@@ -64,8 +66,7 @@ TEST_CASE("shear rate beside walls and openings, through the halo") {
     YFaceField v(patch);
     fill_velocity_halo(b, u, v);
     CellField gamma2(patch);
-    Team alone;
-    shear_rate_squared(alone, u, v, gamma2);
+    for (int j = 0; j < ny; ++j) shear_rate_squared_row(u, v, j, gamma2.row(j));
     expect_everywhere(
         [&] {  // inside, nothing is sheared
           CellField inside(patch);
@@ -92,10 +93,9 @@ TEST_CASE("smoothing: the variance of the kernel is length^2 / 2") {
     const double h = 0.25;
     CellField f(line);
     f(n / 2, 0) = 1;
-    std::vector<double> scratch(n);
     for (const SmoothingPass& pass : smoothing_passes(ratio * h, h)) {
       CHECK((pass.weight > 0 && pass.weight <= 0.25));
-      smooth_row(f.row(0), n, pass, false, scratch.data());
+      smooth_in_place(f.row(0), n, pass, false);
     }
     double sum = 0, mean = 0, square = 0, least = 0;
     for (int i = 0; i < n; ++i) {
@@ -179,9 +179,8 @@ TEST_CASE("smoothing in a periodic row does not know where the row begins") {
     fill_random(f, noise, 0, 1);
     for (int i = 0; i < p.nx; ++i) g(i, 0) = f((i + 5) % p.nx, 0);
     const auto passes = smoothing_passes(length, p.h);
-    std::vector<double> scratch(p.nx);
     for (CellField* q : {&f, &g})
-      for (const SmoothingPass& pass : passes) smooth_row(q->row(0), p.nx, pass, true, scratch.data());
+      for (const SmoothingPass& pass : passes) smooth_in_place(q->row(0), p.nx, pass, true);
     for (int i = 0; i < p.nx; ++i) CHECK(g(i, 0) == Approx(f((i + 5) % p.nx, 0)).epsilon(1e-14));
   }
 }

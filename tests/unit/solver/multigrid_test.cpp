@@ -28,17 +28,17 @@ struct Pattern {
   const char* name;
   std::function<bool(double x, double y, int i, int j)> stiff;
   double soft_density;  // of the stiff medium: 1
-  int most;    // iterations to 1e-6 measured at most, 64^2 to 512^2, contrasts 1 to 1e8, and two more
-  int spread;  // between grids at one contrast, likewise
+  // To 1e-6, 64^2 to 512^2, contrasts 1 to 1e8: iterations at most, and their spread between grids at one contrast
+  // (two either way; in narrow gaps more). One more than measured, for another machine's rounding.
+  int most, spread;
 };
 const std::vector<Pattern>& patterns() {
   static const std::vector<Pattern> list{
-      {"disc in air", [](double x, double y, int, int) { return in_disc(x, y, 0.15); }, 1e-3, 26, 8},
-      {"disc in grains", [](double x, double y, int, int) { return in_disc(x, y, 0.15); }, 1, 24, 6},
-      {"wide disc", [](double x, double y, int, int) { return in_disc(x, y, 0.4); }, 1, 28,
-       10},  // narrow gaps
-      {"layer on the bottom", [](double, double y, int, int) { return y < 0.25; }, 1, 14, 4},
-      {"layer on a side", [](double x, double, int, int) { return x < 0.25; }, 1, 14, 4},
+      {"disc in air", [](double x, double y, int, int) { return in_disc(x, y, 0.15); }, 1e-3, 24, 5},
+      {"disc in grains", [](double x, double y, int, int) { return in_disc(x, y, 0.15); }, 1, 26, 5},
+      {"wide disc", [](double x, double y, int, int) { return in_disc(x, y, 0.4); }, 1, 29, 7},
+      {"layer on the bottom", [](double, double y, int, int) { return y < 0.25; }, 1, 15, 4},
+      {"layer on a side", [](double x, double, int, int) { return x < 0.25; }, 1, 15, 4},
   };
   return list;
 }
@@ -163,7 +163,7 @@ TEST_CASE("the viscous V-cycle is symmetric and positive definite at every bound
   for (const auto& [name, boundary] : all_kinds_of_boundaries(p.nx, p.ny))
     for (double contrast : {1.0, 1e2, 1e4, 1e8}) {
       INFO(name << ", contrast " << contrast);
-      Multigrid<ViscousLevel<double>> multigrid(p, boundary);
+      Multigrid<ViscousLevel<double>> multigrid(p, boundary, 1);
       // Half of the patch stiff, and the share of the cells there that is soft is random: islands and bays.
       const auto eta = [&](double x, double) { return x < 8 && noise() > -0.6 ? contrast : 1.0; };
       multigrid.finest().a = viscous_coefficients<double>(p, boundary, eta, 0.01);
@@ -237,6 +237,13 @@ static void check_viscous_iterations(const std::vector<int>& grids) {
       figure("viscous iterations to 1e-6 | %-19s | %.0e | %s", pattern.name, contrast, text(counts).c_str());
       CHECK(*std::max_element(counts.begin(), counts.end()) <= pattern.most);
       CHECK(spread(counts) <= pattern.spread);
+      // To 1e-3, about what runs ask for.
+      counts.clear();
+      for (int n : grids) counts.push_back(viscous_iterations<float>(n, pattern, contrast, 1e-3));
+      figure("viscous iterations to 1e-3 | %-19s | %.0e | %s", pattern.name, contrast, text(counts).c_str());
+      INFO("to 1e-3: " << text(counts));
+      CHECK(*std::max_element(counts.begin(), counts.end()) <= 13);
+      CHECK(spread(counts) <= 6);
     }
 }
 
@@ -273,7 +280,7 @@ TEST_CASE("a checkerboard of small stiff blocks is where the multigrid ends") {
   const Pattern checkerboard{"checkerboard of 4 h",
                              [](double, double, int i, int j) { return ((i / 4 + j / 4) & 1) != 0; }, 1, 0,
                              0};
-  for (const auto& [contrast, most] : {std::pair{1.0, 10}, {1e2, 36}, {1e4, 160}})
+  for (const auto& [contrast, most] : {std::pair{1.0, 10}, {1e2, 40}, {1e4, 210}})
     for (int n : {64, 128}) {
       const int count = viscous_iterations<float>(n, checkerboard, contrast, 1e-6);
       figure("viscous iterations to 1e-6 | checkerboard of 4 h | %.0e | %d: %d", contrast, n, count);

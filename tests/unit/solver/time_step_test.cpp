@@ -31,6 +31,9 @@ TEST_CASE("the time step is the smallest of its limits, and says which one") {
   const TimeStep end = chosen({0, 0}, before, 1e-3);
   CHECK(end.limit == DtLimit::end);
   CHECK(end.dt == 1e-3);
+  const TimeStep rounded = chosen({0, 0}, before, 0.0548 * (1 + 1e-12));  // and not a step of 1e-14 after it
+  CHECK(rounded.limit == DtLimit::end);
+  CHECK(rounded.dt == 0.0548 * (1 + 1e-12));
 }
 
 TEST_CASE("the time step grows by a quarter from a small first one") {
@@ -73,4 +76,20 @@ TEST_CASE("a step ends at the limit that it is given, exactly") {
   const StepReport report = simulation.step();
   CHECK(report.t == simulation.t());
   CHECK(report.dt > 1e-3);  // the cut step before does not slow down the next
+}
+
+TEST_CASE(
+    "what falls due at a multiple of the step is shown at that time, free of the rounding of their sum") {
+  struct Times : Observer {
+    std::vector<double> of_fields;
+    void on_fields(const Simulation& simulation) override { of_fields.push_back(simulation.t()); }
+  } times;
+  Scene s = silo(16);
+  s.output.series_every = s.output.fields_every = 10 * s.time.dt_max;
+  s.output.snapshots_every = 0;
+  s.time.end = 31 * s.time.dt_max;
+  const Summary summary = Simulation(s).run({&times});
+  const double every = s.output.fields_every;
+  CHECK(times.of_fields == std::vector<double>{0, every, 2 * every, 3 * every, s.time.end});
+  CHECK(summary.steps == 31);
 }
