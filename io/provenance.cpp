@@ -11,19 +11,10 @@
 
 #include "build_info.hpp"
 #include "io/json.hpp"
+#include "solver/simd.hpp"
 
 namespace hourglass {
 namespace {
-
-constexpr int simd_bits() {
-#if defined(__AVX512F__)
-  return 512;
-#elif defined(__AVX__)
-  return 256;
-#else
-  return 128;  // SSE2, NEON
-#endif
-}
 
 std::string host_name() {
   char name[256] = "";

@@ -8,7 +8,7 @@ struct Provenance {
   std::string version;   ///< of hourglass
   std::string revision;  ///< git, with -dirty for uncommitted changes; "unknown" outside a checkout
   std::string compiler, flags, build_type;
-  int simd_bits = 0;  ///< width of the vectors that the compiler was allowed to use
+  int simd_bits = 0;  ///< width of the vectors that the engine uses
   std::string host, cpu;
   int cores = 0;     ///< that this process may run on
   int threads = 0;   ///< that the run used

@@ -1,0 +1,8 @@
+#pragma once
+
+namespace hourglass {
+
+/// Width of the vectors that the engine which runs was compiled for [bits].
+int simd_bits();
+
+}  // namespace hourglass
