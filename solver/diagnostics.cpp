@@ -88,31 +88,23 @@ std::string not_finite(const Fields& fields) {
   return {};
 }
 
-std::vector<double> mass_through(const Scene& scene, const Vof& vof, Side side, FaceRange faces,
-                                 const Patch& patch) {
-  const double area = patch.h * patch.h;
-  std::vector<double> out(scene.materials.size());
-  for (std::size_t k = 0; k < out.size(); ++k) {
-    double volume = 0;
-    for (int f = faces.first; f < faces.last; ++f) switch (side) {
-        case Side::left:
-          volume -= vof.flux_x(static_cast<int>(k))(0, f);
-          break;
-        case Side::right:
-          volume += vof.flux_x(static_cast<int>(k))(patch.nx, f);
-          break;
-        case Side::bottom:
-          volume -= vof.flux_y(static_cast<int>(k))(f, 0);
-          break;
-        case Side::top:
-          volume += vof.flux_y(static_cast<int>(k))(f, patch.ny);
-          break;
-      }
-    out[k] = volume * area;
-  }
-  for (std::size_t k = 1; k < out.size(); ++k) out[0] -= out[k];
-  for (std::size_t k = 0; k < out.size(); ++k) out[k] *= scene.materials[k].density;
-  return out;
+double mass_through(const Scene& scene, const Vof& vof, Side side, FaceRange faces, int material) {
+  const Patch patch = scene.patch();
+  // Phase 0 of the fluxes is all grains, phase k > 0 material k.
+  const auto volume = [&](int phase) {
+    const XFaceField& x = vof.flux_x(phase);
+    const YFaceField& y = vof.flux_y(phase);
+    double sum = 0;
+    for (int f = faces.first; f < faces.last; ++f)
+      sum += side == Side::left     ? -x(0, f)
+             : side == Side::right  ? x(patch.nx, f)
+             : side == Side::bottom ? -y(f, 0)
+                                    : y(f, patch.ny);
+    return sum;
+  };
+  double sum = volume(material);
+  for (int k = 1; material == 0 && k < static_cast<int>(scene.materials.size()); ++k) sum -= volume(k);
+  return sum * patch.h * patch.h * scene.materials[material].density;
 }
 
 double start_up_time(const Scene& scene) {

@@ -22,9 +22,8 @@ double fastest_grains(const Fields& fields, int threads);
 /// Whether every velocity and pressure is a finite number; where not, the first place.
 std::string not_finite(const Fields& fields);
 
-/// Mass that left through a range of boundary faces in the last VOF step, by material, outward positive.
-std::vector<double> mass_through(const Scene& scene, const Vof& vof, Side side, FaceRange faces,
-                                 const Patch& patch);
+/// Mass of one material that left through a range of boundary faces in the last VOF step, outward positive.
+double mass_through(const Scene& scene, const Vof& vof, Side side, FaceRange faces, int material);
 
 /// Samples of mass over time, and the rate of its loss.
 struct DischargeWindow {

@@ -3,7 +3,7 @@
 // (residual); descend(team, sweeps): x = 0, smooth, residual; ascend(team, coarse, sweeps): add the
 // correction, smooth in reversed order; restrict_from(team, fine residual); coarsen(team, fine level);
 // apply_row, wrap and fixed for the coarsest solve. It knows its stencil; this file does not.
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <Eigen/SparseCholesky>
 #include <limits>
 #include <vector>
@@ -14,8 +14,42 @@
 
 namespace hourglass {
 
-/// Direct solve on the coarsest level. The matrix is read off the operator by unit vectors; the sparsity is
-/// found anew only when the operator's pattern may have changed, that is never.
+/// L D L^T of a small symmetric positive definite matrix. Allocates when resized only. (Eigen's dense one is as good, but
+/// GCC 12 warns of uninitialised values in what it becomes with AVX-512.)
+class DenseLdlt {
+ public:
+  void resize(int n) {
+    n_ = n;
+    values_.resize(static_cast<std::size_t>(n) * n);
+  }
+  void set_zero() { std::fill(values_.begin(), values_.end(), 0.0); }
+  /// Before factor(): the matrix, of which the lower half is read. After: D on the diagonal, L^T above it.
+  double& operator()(int row, int column) { return values_[static_cast<std::size_t>(row) * n_ + column]; }
+  void factor() {
+    auto& m = *this;
+    for (int k = 0; k < n_; ++k)
+      for (int r = k + 1; r < n_; ++r) {
+        const double factor = m(r, k) / m(k, k);
+        for (int c = k + 1; factor != 0 && c <= r; ++c) m(r, c) -= factor * m(c, k);
+        m(k, r) = factor;  // not in place of m(r, k), which rows below still read
+      }
+  }
+  void solve_in_place(Eigen::VectorXd& x) {
+    auto& m = *this;
+    for (int r = 0; r < n_; ++r)
+      for (int c = 0; c < r; ++c) x[r] -= m(c, r) * x[c];
+    for (int r = 0; r < n_; ++r) x[r] /= m(r, r);
+    for (int r = n_ - 1; r >= 0; --r)
+      for (int c = r + 1; c < n_; ++c) x[r] -= m(r, c) * x[c];
+  }
+
+ private:
+  int n_ = 0;
+  std::vector<double> values_;
+};
+
+/// Direct solve on the coarsest level. The matrix is read off the operator by unit vectors. Up to `most_dense` unknowns,
+/// as on every grid that halves well, it is dense and allocates nothing after the first time.
 template <class Level>
 class CoarsestSolve {
  public:
@@ -30,40 +64,56 @@ class CoarsestSolve {
         n += row_of(x, k).n;
       }
       offsets_.push_back(n);
+      rhs_.resize(n);
+      if (n <= most_dense) dense_.resize(n);
     }
     const int n = offsets_.back();
+    const bool dense = n <= most_dense;
     std::vector<Eigen::Triplet<double>> entries;
-    std::vector<T> out(x.patch().nx + 1);
+    if (dense) dense_.set_zero();
+    T* out = row_scratch<T>(x.patch().nx + 1);
     double largest = 0;
+    // A whisker on the diagonal makes the closed box solvable; it must outweigh the rounding of T, which leaves
+    // constants an eigenvalue of either sign.
+    const double whisker = std::max(1e-9, 64.0 * std::numeric_limits<T>::epsilon());
     x.fill(T(0));
     for (int k = 0; k < rows; ++k)
       for (int i = 0; i < row_of(x, k).n; ++i) {
-        if (level.fixed(k, i))
-          continue;  // a wall's column would make the matrix unsymmetric, the solve wrong
+        const int column = offsets_[k] + i;
+        const auto enter = [&](int row, double value) {
+          if (row == column) {
+            value *= 1 + whisker;
+            largest = std::max(largest, value);
+          }
+          if (dense) {
+            dense_(row, column) = value;
+          } else {
+            entries.emplace_back(row, column, value);
+          }
+        };
+        if (level.fixed(k, i)) {  // a wall's own column would make the matrix unsymmetric, the solve wrong
+          enter(column, 1);
+          continue;
+        }
         row_of(x, k).data[i] = T(1);
         level.wrap(x, k);
-        const int column = offsets_[k] + i;
         for (int m = std::max(0, k - 3); m <= std::min(rows - 1, k + 3); ++m) {
-          level.apply_row(x, m, out.data());
+          level.apply_row(x, m, out);
           for (int c = 0; c < row_of(x, m).n; ++c)
-            if (out[c] != T(0)) entries.emplace_back(offsets_[m] + c, column, out[c]);
+            if (out[c] != T(0) || offsets_[m] + c == column) enter(offsets_[m] + c, out[c]);
         }
         row_of(x, k).data[i] = T(0);
         level.wrap(x, k);
       }
-    Eigen::SparseMatrix<double> matrix(n, n);
-    matrix.setFromTriplets(entries.begin(), entries.end());
-    for (int i = 0; i < n; ++i) largest = std::max(largest, matrix.coeff(i, i));
-    // Fixed points get 1. A whisker on the diagonal makes the closed box solvable; it must outweigh the rounding of
-    // T, which leaves constants an eigenvalue of either sign.
-    const double whisker = std::max(1e-9, 64.0 * std::numeric_limits<T>::epsilon());
-    for (int i = 0; i < n; ++i) {
-      const double d = matrix.coeff(i, i);
-      matrix.coeffRef(i, i) = d > 0 ? d * (1 + whisker) + 1e-30 * largest : 1;
+    if (dense) {
+      for (int i = 0; i < n; ++i) pad(dense_(i, i), largest);
+      dense_.factor();
+    } else {
+      Eigen::SparseMatrix<double> matrix(n, n);
+      matrix.setFromTriplets(entries.begin(), entries.end());
+      for (int i = 0; i < n; ++i) pad(matrix.coeffRef(i, i), largest);
+      sparse_.compute(matrix);
     }
-    matrix.makeCompressed();
-    solver_.compute(matrix);
-    rhs_.resize(n);
   }
 
   void solve(Level& level) {
@@ -80,7 +130,11 @@ class CoarsestSolve {
       for (double source : rhs_) sum += source;
       for (double& source : rhs_) source -= sum / static_cast<double>(rhs_.size());
     }
-    rhs_ = solver_.solve(rhs_);
+    if (rhs_.size() <= most_dense) {
+      dense_.solve_in_place(rhs_);
+    } else {
+      rhs_ = sparse_.solve(rhs_);
+    }
     for (int k = 0; k < rows; ++k) {
       const auto row = row_of(x, k);
       for (int i = 0; i < row.n; ++i)
@@ -90,9 +144,16 @@ class CoarsestSolve {
   }
 
  private:
+  static constexpr int most_dense = 128;
+  /// A point that nothing holds, an air pocket between walls, gets 1.
+  static void pad(double& diagonal, double largest) {
+    diagonal = diagonal > 0 ? diagonal + 1e-30 * largest : 1;
+  }
+
   std::vector<int> offsets_;
   Eigen::VectorXd rhs_;
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+  DenseLdlt dense_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> sparse_;
 };
 
 template <class Level>
@@ -130,7 +191,7 @@ class Multigrid {
 
  private:
   /// Below this a barrier costs more than the work that it shares out.
-  static constexpr long cells_for_one_member = 64 * 64;
+  static constexpr long cells_for_one_member = 32 * 32;
 
   bool serial(const Team& team, int l) const {
     return team.size() > 1 && l > 0 && levels_[l].x.patch().cells() <= cells_for_one_member;

@@ -74,7 +74,8 @@ LimitCounts RheologyStage::update(const Fields& fields, int threads, CellField& 
     }
     if (!passes_.empty()) smooth(team, fields, eta);
     double* __restrict weight = row_scratch<double>(nx);
-    std::vector<const double*> tracers(fields.tracers.size());
+    thread_local std::vector<const double*> tracers;
+    tracers.resize(fields.tracers.size());
     for (int j = rows.begin; j < rows.end; ++j) {
       const double *c = fields.grains.row(j), *p = fields.p.row(j);
       double *e = eta.row(j), *__restrict g2 = gamma2_.row(j);

@@ -43,25 +43,20 @@ void Simulation::Impl::fill() {
 
 /// Adds what left in the last step to the accounts.
 void Simulation::Impl::account() {
-  const Patch& patch = fields.patch();
-  std::array<std::vector<double>, 4> open{boundary.left.open, boundary.right.open, boundary.bottom.open,
-                                          boundary.top.open};
-  for (std::size_t o = 0; o < scene.orifices.size(); ++o) {
-    const Orifice& orifice = scene.orifices[o];
-    const FaceRange range = faces_of(orifice, patch);
-    const auto lost = mass_through(scene, stepper->vof(), orifice.wall, range, patch);
-    for (std::size_t k = 0; k < lost.size(); ++k) {
-      orifice_mass[o] += lost[k];
-      orifice_material[k] += lost[k];
+  const Patch patch = scene.patch();
+  for (int k = 0; k < static_cast<int>(scene.materials.size()); ++k) {
+    for (std::size_t o = 0; o < scene.orifices.size(); ++o) {
+      const Orifice& orifice = scene.orifices[o];
+      const double lost = mass_through(scene, stepper->vof(), orifice.wall, faces_of(orifice, patch), k);
+      orifice_mass[o] += lost;
+      orifice_material[k] += lost;
     }
-    auto& side = open[static_cast<int>(orifice.wall)];
-    std::fill(side.begin() + range.first, side.begin() + range.last, 0.0);
+    for (int s = 0; s < 4; ++s) {
+      const Side side = static_cast<Side>(s);
+      const FaceRange all{0, side == Side::left || side == Side::right ? patch.ny : patch.nx};
+      if (scene.walls[s] == Wall::open) other_mass += mass_through(scene, stepper->vof(), side, all, k);
+    }
   }
-  for (int s = 0; s < 4; ++s)
-    if (scene.walls[s] == Wall::open)
-      for (double mass : mass_through(scene, stepper->vof(), static_cast<Side>(s),
-                                      {0, static_cast<int>(open[s].size())}, patch))
-        other_mass += mass;
 }
 
 /// State of the accounts; the outflows are totals since the start.
@@ -120,7 +115,7 @@ StepReport Simulation::step(double t_limit) {
   s.threads = s.governor.next();
   s.stepper->set_threads(s.threads);
   FastestCells fastest;
-  s.timers.time("time step", [&] { fastest = fastest_cells(s.fields, s.threads); });
+  s.timers.time("time step", [&] { fastest = fastest_cells(s.fields, s.threads, s.rows); });
   if (!std::isfinite(fastest.near_grains + fastest.air)) throw std::runtime_error(not_finite(s.fields));
   const TimeStep dt = choose_time_step(s.scene, fastest, s.fields.patch().h, s.dt, t_limit - s.t);
   s.stepper->step(s.fields, dt.dt, s.steps % 2 == 0, s.timers, report);

@@ -1,5 +1,6 @@
 #pragma once
 // What a simulation holds; for solver/simulation.cpp and solver/run.cpp only.
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -18,7 +19,8 @@ struct Simulation::Impl {
   explicit Impl(const Scene& s)
       : scene(s), boundary(boundary_of(scene)), threads(threads_of(scene)),
         fields(scene.patch(), static_cast<int>(scene.materials.size())),
-        stepper(make_stepper(scene, boundary, threads)), governor(threads),
+        stepper(make_stepper(scene, boundary, threads)),
+        governor(threads), rows{RowSums(fields.p.ny()), RowSums(fields.p.ny())},
         orifice_mass(scene.orifices.size()), orifice_material(scene.materials.size()) {}
 
   Scene scene;
@@ -27,6 +29,7 @@ struct Simulation::Impl {
   Fields fields;
   std::unique_ptr<Stepper> stepper;
   ThreadGovernor governor;
+  std::array<RowSums, 2> rows;  // of fastest_cells
   Timers timers;
   double t = 0, dt = 0;  // dt of the last step; 0 before the first
   long steps = 0;

@@ -21,7 +21,9 @@ class StepperOf final : public Stepper {
       : scene_(scene), boundary_(boundary), threads_(threads), patch_(scene.patch()),
         vof_(patch_, static_cast<int>(scene.materials.size()), {boundary.periodic_x}),
         rheology_(scene, patch_, boundary), mass_(patch_), eta_(patch_), star_(patch_),
-        viscous_(patch_, boundary), projection_(patch_, boundary) {}
+        viscous_(patch_, boundary), projection_(patch_, boundary) {
+    for (const Material& m : scene.materials) excess_.push_back(m.density - scene.materials[0].density);
+  }
 
   void set_threads(int threads) override { threads_ = threads; }
 
@@ -86,8 +88,6 @@ class StepperOf final : public Stepper {
     const int nx = patch_.nx, ny = patch_.ny;
     const double air = scene_.air.density, dt_h = dt / patch_.h;
     const int tracers = static_cast<int>(fields.tracers.size());
-    std::vector<double> excess;  // of each material over material 0
-    for (const Material& m : scene_.materials) excess.push_back(m.density - scene_.materials[0].density);
     const double grains = scene_.materials[0].density - air;
     // rho = air + grains c + Σ excess_k f_k, and so for the fluxes.
     parallel(threads_, [&](Team& team) {
@@ -97,9 +97,9 @@ class StepperOf final : public Stepper {
 #pragma omp simd
         for (int i = 0; i < n; ++i) out[i] = air * (volume ? volume[i] * scale : 1.0) + grains * c[i];
         for (int k = 0; k < tracers; ++k)
-          if (excess[k + 1] != 0) {
+          if (excess_[k + 1] != 0) {
             const double* f = tracer_row(k);
-            for (int i = 0; i < n; ++i) out[i] += excess[k + 1] * f[i];
+            for (int i = 0; i < n; ++i) out[i] += excess_[k + 1] * f[i];
           }
       };
       for (int j = rows.begin; j < rows.end; ++j) {
@@ -198,6 +198,7 @@ class StepperOf final : public Stepper {
   Vof vof_;
   RheologyStage rheology_;
   MassTransport mass_;
+  std::vector<double> excess_;  // density of each material over that of material 0
   CellField eta_;
   Velocity star_;
   ViscousSolve<T> viscous_;

@@ -32,6 +32,8 @@ class ThreadGovernor {
     const int before = favourite();
     double& cost = cost_of(running_);
     const double now = seconds / work;
+    // A step that is several times dearer is not noise: somebody took a core. Try the other choice at once.
+    if (cost != never && now > 3 * cost) rest_ = 0;
     cost = cost == never ? now : 0.7 * cost + 0.3 * now;
     if (favourite() != before) pause_ = 30;
   }

@@ -22,9 +22,9 @@ const char* name_of(DtLimit limit) {
   return "";
 }
 
-FastestCells fastest_cells(const Fields& fields, int threads) {
+FastestCells fastest_cells(const Fields& fields, int threads, std::array<RowSums, 2>& by_row) {
   const int nx = fields.p.nx(), ny = fields.p.ny();
-  RowSums near(ny), air(ny);
+  RowSums &near = by_row[0], &air = by_row[1];
   parallel(threads, [&](Team& team) {
     const Rows rows = team.rows(ny);
     thread_local std::vector<double> by_grains, in_air;

@@ -12,7 +12,8 @@ struct FastestCells {
   double near_grains = 0;  ///< in cells that hold grains or touch one that does
   double air = 0;          ///< elsewhere
 };
-FastestCells fastest_cells(const Fields& fields, int threads);
+/// rows: room for a number a row of cells, twice.
+FastestCells fastest_cells(const Fields& fields, int threads, std::array<RowSums, 2>& rows);
 
 struct TimeStep {
   double dt;

@@ -46,10 +46,7 @@ template <class T>
 SolveStats ViscousSolve<T>::solve(Team& team, Velocity& star, Velocity& x, double tolerance,
                                   double gravity_speed, int max_iterations) {
   ViscousLevel<T>& level = multigrid_.finest();
-  const int n = row_count(x);
-  if (team.leads()) energy_ = RowSums(n);
-  team.sync();
-  const Rows rows = team.rows(n);
+  const Rows rows = team.rows(row_count(x));
   for (int k = rows.begin; k < rows.end; ++k) {
     auto b = row_of(star, k);
     const T* m = row_of(level.a.mass, k).data;

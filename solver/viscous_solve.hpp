@@ -9,7 +9,8 @@ namespace hourglass {
 template <class T>
 class ViscousSolve {
  public:
-  ViscousSolve(const Patch& patch, const Boundary& boundary) : multigrid_(patch, boundary, 1), krylov_(patch) {}
+  ViscousSolve(const Patch& patch, const Boundary& boundary)
+      : multigrid_(patch, boundary, 1), krylov_(patch), energy_(2 * patch.ny + 1) {}
 
   /// Coefficients of all levels. in: eta in cells [M/T], density halo 2 [M/L^2]. Synced on return.
   void assemble(Team& team, const CellField& eta, bool harmonic_corners, const CellField& density, double dt);
@@ -26,7 +27,7 @@ class ViscousSolve {
  private:
   Multigrid<ViscousLevel<T>> multigrid_;
   Krylov<ViscousLevel<T>> krylov_;
-  RowSums energy_{0};
+  RowSums energy_;  // by row of the unknown
 };
 
 }  // namespace hourglass
