@@ -2,29 +2,23 @@
 // Largest magnitudes of rows.
 #include <bit>
 #include <cstdint>
+#include <type_traits>
 
 namespace hourglass {
 
 /// max |x[i]|, NaN if any is NaN. Magnitudes are compared as integers: the bit patterns of non-negative
 /// numbers are ordered, NaN is above all, and unlike a maximum of floating-point numbers this one is a vector
 /// instruction.
-inline double max_magnitude(const float* __restrict x, int n) {
-  std::uint32_t m = 0;
+template <class T>
+double max_magnitude(const T* __restrict x, int n) {
+  using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
+  Bits m = 0;
 #pragma omp simd reduction(max : m)
   for (int i = 0; i < n; ++i) {
-    const std::uint32_t bits = std::bit_cast<std::uint32_t>(x[i]) & 0x7fffffffu;
+    const Bits bits = std::bit_cast<Bits>(x[i]) & (~Bits(0) >> 1);
     m = bits > m ? bits : m;
   }
-  return static_cast<double>(std::bit_cast<float>(m));
-}
-inline double max_magnitude(const double* __restrict x, int n) {
-  std::uint64_t m = 0;
-#pragma omp simd reduction(max : m)
-  for (int i = 0; i < n; ++i) {
-    const std::uint64_t bits = std::bit_cast<std::uint64_t>(x[i]) & 0x7fffffffffffffffu;
-    m = bits > m ? bits : m;
-  }
-  return std::bit_cast<double>(m);
+  return static_cast<double>(std::bit_cast<T>(m));
 }
 
 }  // namespace hourglass
