@@ -9,9 +9,9 @@ namespace hourglass {
 /// What the words of `accuracy` stand for. The Courant number is a matter of the scene, not of these.
 inline constexpr std::array accuracy_names{"fast", "balanced", "accurate"};
 inline constexpr std::array<Accuracy, 3> accuracy_presets{
-    Accuracy{.viscous_tolerance = 1e-2, .pressure_tolerance = 1e-5},
-    Accuracy{.viscous_tolerance = 5e-3, .pressure_tolerance = 3e-6},
-    Accuracy{.viscous_tolerance = 1e-4, .pressure_tolerance = 1e-8},
+    Accuracy{.viscous_tolerance = 1e-2, .pressure_tolerance = 1e-5, .fluidity_tolerance = 3e-2},
+    Accuracy{.viscous_tolerance = 5e-3, .pressure_tolerance = 3e-6, .fluidity_tolerance = 1e-2},
+    Accuracy{.viscous_tolerance = 1e-4, .pressure_tolerance = 1e-8, .fluidity_tolerance = 1e-4},
 };
 
 /// A key's `required` text says what the value is; without one the key has a default.
@@ -41,7 +41,11 @@ void visit_scene(Visitor& v, Scene& s) {
             v.number("I_0", m.I_0);
             v.number("diameter", m.diameter, si ? "in SI units, e.g. 1e-3" : nullptr);
             v.number("density", m.density, si ? "in SI units, e.g. 1500" : nullptr);
+            v.number("cohesion", m.cohesion);
             v.number("viscosity", m.viscosity);
+            v.number("A", m.A);
+            v.number("phi_g", m.phi_g);
+            v.number("F", m.F);
           });
   v.list("fill", s.fill,
          "what the domain holds at the start, e.g. - {material: sand, box: {x: [0, 150], y: [0, 135]}}",
@@ -61,15 +65,38 @@ void visit_scene(Visitor& v, Scene& s) {
   v.map("physics", [&] {
     v.map("rheology", [&] {
       Rheology& r = s.rheology;
-      v.choice("law", r.law, law_names, {"mu_I_regularised"});
+      v.choice("law", r.law, law_names);
+      v.number("alpha", r.alpha);
+      v.number("mu_inf", r.mu_inf);
       v.number("eta_min", r.eta_min);
       v.number("eta_max", r.eta_max);
+      v.choice("cap", r.cap, cap_names);
       v.number("smoothing_length", r.smoothing_length);
       v.choice("corner_mean", r.corner_mean, corner_mean_names);
       v.choice("orifice_edge", r.orifice_edge, edge_rule_names);
       v.number("background_pressure", r.background_pressure);
     });
-    v.unmodelled({"nonlocal", "dilatancy", "wall_friction"});
+    v.module("nonlocal", s.nonlocal, [&](Nonlocal& n) {
+      v.number("A", n.A);
+      v.choice("closure", n.closure, closure_names);
+      v.choice("walls", n.walls, fluidity_wall_names);
+    });
+    v.module("dilatancy", s.dilatancy, [&](Dilatancy& d) {
+      v.number("phi_g", d.phi_g);
+      v.number("phi_max", d.phi_max);
+      v.number("phi_min", d.phi_min);
+      v.choice("mode", d.mode, dilatancy_mode_names);
+      v.number("relaxation_time", d.relaxation_time);
+      v.number("K", d.K);
+    });
+    v.module("wall_friction", s.wall_friction, [&](WallFriction& f) {
+      v.number("F", f.F);
+      v.number("mu_w", f.mu_w);
+      v.number("gap", f.gap);
+      v.choice("mode", f.mode, friction_mode_names);
+      v.number("speed_floor", f.speed_floor);
+      v.pair("wall_velocity", f.wall_velocity);
+    });
   });
   v.map("time", [&] {
     v.number("end", s.time.end);
@@ -90,8 +117,14 @@ void visit_scene(Visitor& v, Scene& s) {
       v.preset("preset", s.accuracy, accuracy_names, accuracy_presets);
       v.number("viscous_tolerance", s.accuracy.viscous_tolerance);
       v.number("pressure_tolerance", s.accuracy.pressure_tolerance);
+      v.number("fluidity_tolerance", s.accuracy.fluidity_tolerance);
       v.integer("max_iterations", s.accuracy.max_iterations);
       v.choice("precision", s.accuracy.precision, precision_names);
+      v.map("splitting", [&] {
+        v.integer("outer", s.accuracy.splitting.outer);
+        v.integer("picard", s.accuracy.splitting.picard);
+        v.number("rotational", s.accuracy.splitting.rotational);
+      });
     });
   }
   v.map("output", [&] {

@@ -124,6 +124,15 @@ class SceneReader {
     if (!sound) wrong_type(*node, key, "a map with " + listed(known));
   }
 
+  /// A block that switches something on by being there, even if empty.
+  template <class T, class Body>
+  void module(const char* key, std::optional<T>& value, Body&& body) {
+    const YamlNode* node = here().node ? here().node->find(key) : nullptr;
+    T unused;  // an absent block's keys are known all the same
+    if (node) value.emplace();
+    map(key, [&] { body(node ? *value : unused); });
+  }
+
   template <class T, class Body>
   void list(const char* key, std::vector<T>& values, const char* required, Body&& body) {
     const YamlNode* node = child(key, required);

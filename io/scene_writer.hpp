@@ -54,6 +54,10 @@ class SceneWriter {
     if (out.size() == before) out.insert(before - 1, " {}");
   }
   template <class T, class Body>
+  void module(const char* key, std::optional<T>& value, Body&& body) {
+    if (value) map(key, [&] { body(*value); });
+  }
+  template <class T, class Body>
   void list(const char* key, std::vector<T>& values, const char*, Body&& body) {
     line(key, values.empty() ? "[]" : "");
     for (T& value : values) {

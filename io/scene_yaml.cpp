@@ -28,7 +28,7 @@ void apply_scales(Scene& s, const YamlNode& root, std::vector<SceneReader::Findi
     double scale;
   };
   const Scales scale = scales(s);
-  const std::vector<Scaled> all{
+  std::vector<Scaled> all{
       {"air.density", s.air.density, scale.density},
       {"air.viscosity", s.air.viscosity, scale.viscosity},
       {"physics.rheology.eta_min", s.rheology.eta_min, scale.viscosity},
@@ -39,6 +39,11 @@ void apply_scales(Scene& s, const YamlNode& root, std::vector<SceneReader::Findi
       {"output.fields_every", s.output.fields_every, scale.time},
       {"output.snapshots_every", s.output.snapshots_every, scale.time},
   };
+  if (s.dilatancy)
+    all.push_back({"physics.dilatancy.relaxation_time", s.dilatancy->relaxation_time, scale.time});
+  if (s.wall_friction)
+    all.push_back(
+        {"physics.wall_friction.speed_floor", s.wall_friction->speed_floor, scale.length / scale.time});
   std::vector<std::string> without_scale;
   for (const Scaled& one : all) {
     const YamlNode* node = &root;

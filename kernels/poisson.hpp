@@ -3,6 +3,7 @@
 //
 //   (A q)_c = sum over the four faces of beta_f (q_c - q_nb),   beta = aperture / rho [L^2/M] on faces,
 //
+// and of the Helmholtz equation of the granular fluidity, which adds an absorption kappa_c q_c and has other beta,
 // with q = 0 beyond every boundary: a wall has beta = 0, an open face 2 / rho (p = 0 half a cell away). A q =
 // b with b the sum of face velocities into the cell, so that u - beta (q_right - q_left) is solenoidal.
 #include <algorithm>
@@ -19,10 +20,11 @@ template <class T>
 struct PoissonCoefficients {
   VelocityOf<T> beta;               ///< on faces [L^2/M]
   CellFieldOf<T> inverse_diagonal;  ///< 1 / (sum of the four beta) [M/L^2]; 0 for a cell without open face
+  CellFieldOf<T> absorption;        ///< kappa, in the unit of beta; not allocated for the pressure
 
   PoissonCoefficients() = default;
   explicit PoissonCoefficients(const Patch& p) : beta(p), inverse_diagonal(p) {}
-  std::size_t bytes() const { return beta.bytes() + inverse_diagonal.bytes(); }
+  std::size_t bytes() const { return beta.bytes() + inverse_diagonal.bytes() + absorption.bytes(); }
 };
 
 /// Row j: the stencil. In outflow() differences come before beta: what leaves a cell is to the last bit what enters
@@ -64,6 +66,11 @@ void apply_poisson_row(const PoissonCoefficients<T>& a, const CellFieldOf<X>& x,
   const int n = x.nx();
 #pragma omp simd
   for (int i = 0; i < n; ++i) out[i] = row.outflow(i);
+  if (a.absorption.allocated()) {
+    const T* __restrict kappa = a.absorption.row(j);
+#pragma omp simd
+    for (int i = 0; i < n; ++i) out[i] += X(kappa[i]) * row.q[i];
+  }
 }
 
 /// b - A x on row j. 20 B/cell (float).
@@ -75,6 +82,11 @@ void residual_poisson_row(const PoissonCoefficients<T>& a, const CellFieldOf<X>&
   const int n = x.nx();
 #pragma omp simd
   for (int i = 0; i < n; ++i) out[i] = rhs[i] - row.outflow(i);
+  if (a.absorption.allocated()) {
+    const T* __restrict kappa = a.absorption.row(j);
+#pragma omp simd
+    for (int i = 0; i < n; ++i) out[i] -= X(kappa[i]) * row.q[i];
+  }
 }
 
 template <class T>
@@ -84,8 +96,9 @@ void fill_inverse_diagonal(Team& team, PoissonCoefficients<T>& a) {
     const T *bx = a.beta.u.row(j), *bs = a.beta.v.row(j), *bn = a.beta.v.row(j + 1);
     T* __restrict inv = a.inverse_diagonal.row(j);
     const int n = a.inverse_diagonal.nx();
+    const T* kappa = a.absorption.allocated() ? a.absorption.row(j) : nullptr;
     for (int i = 0; i < n; ++i) {
-      const T diagonal = (bx[i + 1] + bx[i]) + (bn[i] + bs[i]);
+      const T diagonal = (bx[i + 1] + bx[i]) + (bn[i] + bs[i]) + (kappa ? kappa[i] : T(0));
       inv[i] = diagonal > T(0) ? T(1) / diagonal : T(0);
     }
   }
@@ -103,6 +116,11 @@ void coarsen_poisson(Team& team, const PoissonCoefficients<T>& fine, PoissonCoef
       const T *b0 = fine.beta.u.row(2 * j), *b1 = fine.beta.u.row(2 * j + 1);
       T* __restrict out = coarse.beta.u.row(j);
       for (int i = 0; i <= nx; ++i) out[i] = T(0.5) * (b0[2 * i] + b1[2 * i]);
+      if (fine.absorption.allocated()) {  // an integral over the cell
+        const T *k0 = fine.absorption.row(2 * j), *k1 = fine.absorption.row(2 * j + 1);
+        T* __restrict kappa = coarse.absorption.row(j);
+        for (int i = 0; i < nx; ++i) kappa[i] = (k0[2 * i] + k0[2 * i + 1]) + (k1[2 * i] + k1[2 * i + 1]);
+      }
     }
     const T* b = fine.beta.v.row(2 * j);
     T* __restrict out = coarse.beta.v.row(j);

@@ -1,6 +1,7 @@
 #pragma once
 // Viscosity at centres and corners from shear rate, pressure and material shares.
 #include <algorithm>
+#include <span>
 #include <vector>
 
 #include "kernels/boundary.hpp"
@@ -22,53 +23,102 @@ struct LimitCounts {
   long capped = 0, floored = 0;
 };
 
-/// Cell viscosity of one material: eta = c clamp(mu(I) P / |γ̇|, eta_min, eta_max) + (1 - c) eta_air. P = 0
-/// gives eta_min and rest under pressure eta_max: a scene that starts from p = 0 starts to flow
-/// (docs/theory.md, Start). in: gamma2 [1/T^2], p, grains (interior); out: eta_c of row j. 3 reads (8 B) + 1
-/// write (4 or 8 B).
-template <class T>
-void granular_viscosity_row(const double* __restrict gamma2, const double* __restrict p,
-                            const double* __restrict grains, int n, const Grain& g,
-                            const ViscosityLimits& limits, T* __restrict eta) {
-  const double d_sqrt_rho = g.diameter * std::sqrt(g.density);
-  const double mu_s = g.mu_s, delta_mu = g.delta_mu, I_0 = g.I_0;
-  const double lo = limits.eta_min, hi = limits.eta_max, air = limits.air, p0 = limits.background_pressure;
+/// Share of a material among the grains of each cell; 0 where there are none.
+inline void share_row(const double* __restrict tracer, const double* __restrict grains, int n,
+                      double* __restrict share) {
 #pragma omp simd
   for (int i = 0; i < n; ++i) {
-    const double pressure = std::max(p[i] + p0, 0.0);
-    const double raw = granular_viscosity(std::sqrt(gamma2[i]), pressure, mu_s, delta_mu, I_0, d_sqrt_rho);
-    const double bounded = std::min(std::max(raw, lo), hi);
-    eta[i] = static_cast<T>(grains[i] * bounded + (1 - grains[i]) * air);
+    const double s = tracer[i] / std::max(grains[i], 1e-300);
+    share[i] = std::min(std::max(s, 0.0), 1.0);
   }
 }
 
-/// The same for several materials: a cell's mu_s, delta_mu, I_0 and d sqrt(rho) are linear means by volume
-/// share. tracers[k][i]: share of the cell filled by grain k + 1.
-template <class T>
-void blended_viscosity_row(const double* gamma2, const double* p, const double* grains,
-                           const std::vector<const double*>& tracers, int n, const std::vector<Grain>& g,
-                           const ViscosityLimits& limits, T* eta) {
+/// Linear mean of a property over the materials of each cell: values[0] of material 0, which has what the others
+/// leave, values[k] of the one with shares[k - 1].
+inline void blend_row(std::span<const double> values, std::span<const double* const> shares, int n,
+                      double* __restrict mean) {
+  std::fill(mean, mean + n, values[0]);
+  for (std::size_t k = 0; k < shares.size(); ++k) {
+    const double* __restrict share = shares[k];
+    const double excess = values[k + 1] - values[0];
+#pragma omp simd
+    for (int i = 0; i < n; ++i) mean[i] += excess * share[i];
+  }
+}
+
+/// P that the grains feel.
+inline double grain_pressure(double p, const ViscosityLimits& limits) {
+  return std::max(p + limits.background_pressure, 0.0);
+}
+
+/// Cell viscosity: eta = c clamp((mu(I) P + cohesion) / |γ̇|, eta_min, eta_max) + (1 - c) eta_air. P = 0 gives
+/// eta_min and rest under pressure eta_max: a scene that starts from p = 0 starts to flow (docs/theory.md, Start).
+/// Properties: Grain, the same everywhere, or GrainRows. in: gamma2 [1/T^2], p, grains (interior); out: eta_c of a
+/// row. 3 reads (8 B) + 1 write (4 or 8 B).
+template <class T, class Properties>
+void granular_viscosity_row(const double* __restrict gamma2, const double* __restrict p,
+                            const double* __restrict grains, int n, const Properties& properties,
+                            const ViscosityLimits& limits, T* __restrict eta) {
+  const ViscosityLimits l = limits;
+#pragma omp simd
   for (int i = 0; i < n; ++i) {
-    double eta_g = limits.eta_min;
-    if (grains[i] > 0) {
-      double first = 1, mu_s = 0, delta_mu = 0, I_0 = 0, ds = 0;
-      const auto mix = [&](double share, const Grain& m) {
-        mu_s += share * m.mu_s;
-        delta_mu += share * m.delta_mu;
-        I_0 += share * m.I_0;
-        ds += share * m.diameter * std::sqrt(m.density);
-      };
-      for (std::size_t k = 0; k < tracers.size(); ++k) {
-        const double share = std::clamp(tracers[k][i] / grains[i], 0.0, first);
-        first -= share;
-        mix(share, g[k + 1]);
-      }
-      mix(first, g[0]);
-      const double pressure = std::max(p[i] + limits.background_pressure, 0.0);
-      eta_g = granular_viscosity(std::sqrt(gamma2[i]), pressure, mu_s, delta_mu, I_0, ds);
-      eta_g = std::min(std::max(eta_g, limits.eta_min), limits.eta_max);
-    }
-    eta[i] = static_cast<T>(grains[i] * eta_g + (1 - grains[i]) * limits.air);
+    const double raw = granular_viscosity(std::sqrt(gamma2[i]), grain_pressure(p[i], l), properties.at(i));
+    const double bounded = std::min(std::max(raw, l.eta_min), l.eta_max);
+    eta[i] = static_cast<T>(grains[i] * bounded + (1 - grains[i]) * l.air);
+  }
+}
+
+/// The same with any friction: mu of the row is given.
+inline void viscosity_of_friction_row(const double* __restrict gamma2, const double* __restrict p,
+                                      const double* __restrict grains, int n, const double* __restrict mu,
+                                      const double* __restrict cohesion, const ViscosityLimits& limits,
+                                      double* __restrict eta) {
+  const ViscosityLimits l = limits;
+#pragma omp simd
+  for (int i = 0; i < n; ++i) {
+    const double stress = mu[i] * grain_pressure(p[i], l) + cohesion[i];
+    const double raw = stress / std::max(std::sqrt(gamma2[i]), 1e-30);
+    eta[i] = grains[i] * std::min(std::max(raw, l.eta_min), l.eta_max) + (1 - grains[i]) * l.air;
+  }
+}
+
+/// The same from a granular fluidity: eta_grains = P/g + cohesion/|γ̇|; where grains are too few for a fluidity, eta_min.
+inline void viscosity_of_fluidity_row(const double* __restrict g, const double* __restrict gamma2,
+                                      const double* __restrict p, const double* __restrict grains, int n,
+                                      const double* __restrict cohesion, const ViscosityLimits& limits,
+                                      double* __restrict eta) {
+  const ViscosityLimits l = limits;
+#pragma omp simd
+  for (int i = 0; i < n; ++i) {
+    const double frictional = g[i] > 0 ? grain_pressure(p[i], l) / std::max(g[i], 1e-300) : 0.0;
+    const double raw = frictional + cohesion[i] / std::max(std::sqrt(gamma2[i]), 1e-30);
+    eta[i] = grains[i] * std::min(std::max(raw, l.eta_min), l.eta_max) + (1 - grains[i]) * l.air;
+  }
+}
+
+/// I and mu(I) of a row.
+inline void friction_row(const double* __restrict gamma2, const double* __restrict p, int n,
+                         const GrainRows& properties, const ViscosityLimits& limits, double* __restrict I,
+                         double* __restrict mu) {
+  const GrainRows rows = properties;
+  const ViscosityLimits l = limits;
+#pragma omp simd
+  for (int i = 0; i < n; ++i) {
+    const Grain g = rows.at(i);
+    I[i] = inertial_number(std::sqrt(gamma2[i]), grain_pressure(p[i], l), g);
+    mu[i] = mu_of_I(I[i], g);
+  }
+}
+
+/// gamma2 + (mu_s P / eta_max)^2: with it the law meets eta_max smoothly.
+inline void smooth_cap_row(const double* __restrict gamma2, const double* __restrict p,
+                           const double* __restrict mu_s, int n, const ViscosityLimits& limits,
+                           double* __restrict out) {
+  const ViscosityLimits l = limits;
+#pragma omp simd
+  for (int i = 0; i < n; ++i) {
+    const double slowest = mu_s[i] * grain_pressure(p[i], l) / l.eta_max;
+    out[i] = gamma2[i] + slowest * slowest;
   }
 }
 

@@ -11,8 +11,10 @@ namespace hourglass {
 
 /// |γ̇|^2 in the cells of row j: 2 (dx u)^2 + 2 (dy v)^2 + (mean over the four corners of dy u + dx v)^2 [1/T^2]. The
 /// mean before the square takes out the shortest wave (docs/theory.md). in: u, v, halo 1 filled by
-/// fill_velocity_halo; out: nx values. 2 reads + 1 write: 24 B/cell.
-inline void shear_rate_squared_row(const XFaceField& u, const YFaceField& v, int j, double* __restrict out) {
+/// fill_velocity_halo; out: nx values. 2 reads + 1 write: 24 B/cell. `deviatoric`: of D without its trace, which is
+/// the same where div u = 0.
+template <bool deviatoric = false>
+void shear_rate_squared_row(const XFaceField& u, const YFaceField& v, int j, double* __restrict out) {
   const int nx = v.nx();
   const double inv_h = 1 / u.patch().h;
   const double *uc = u.row(j), *us = u.row(j - 1), *un = u.row(j + 1);
@@ -24,7 +26,8 @@ inline void shear_rate_squared_row(const XFaceField& u, const YFaceField& v, int
     const double shear_u = (un[i] - us[i]) + (un[i + 1] - us[i + 1]);
     const double shear_v = (vc[i + 1] - vc[i - 1]) + (vn[i + 1] - vn[i - 1]);
     const double shear = 0.25 * (shear_u + shear_v) * inv_h;
-    out[i] = 2 * (exx * exx + eyy * eyy) + shear * shear;
+    const double normal = deviatoric ? (exx - eyy) * (exx - eyy) : 2 * (exx * exx + eyy * eyy);
+    out[i] = normal + shear * shear;
   }
 }
 

@@ -319,8 +319,7 @@ void granular_viscosity(const CellField& gamma2, const CellField& p, const CellF
   for (int j = 0; j < eta.ny(); ++j)
     for (int i = 0; i < eta.nx(); ++i) {
       const double pressure = std::max(p(i, j) + limits.background_pressure, 0.0);
-      const double raw = hourglass::granular_viscosity(std::sqrt(gamma2(i, j)), pressure, g.mu_s, g.delta_mu,
-                                                       g.I_0, g.diameter * std::sqrt(g.density));
+      const double raw = hourglass::granular_viscosity(std::sqrt(gamma2(i, j)), pressure, g);
       const double c = grains(i, j);
       eta(i, j) = c * std::clamp(raw, limits.eta_min, limits.eta_max) + (1 - c) * limits.air;
     }

@@ -13,14 +13,62 @@ double cell_speed(const Fields& f, int i, int j) {
   return std::sqrt(u * u + v * v);
 }
 
+/// out[i] = 1 where well posed, on row j.
+void well_posed_row(const Scene& scene, const Fields& fields, const RheologyStage& rheology, int j,
+                    double* out) {
+  const CellField& gamma2 = rheology.shear_rate_squared();
+  const double most = 0.999 * scene.rheology.eta_max, p0 = scene.rheology.background_pressure;
+  GrainProperties::Rows rows(rheology.properties(), fields, j);
+  const GrainRows law = rows.law();
+  for (int i = 0; i < fields.p.nx(); ++i) {
+    const Grain g = law.at(i);
+    const double rate = std::sqrt(gamma2(i, j)), pressure = std::max(fields.p(i, j) + p0, 0.0);
+    const bool sheared =
+        fields.grains(i, j) > 0.5 && pressure > 0 && granular_viscosity(rate, pressure, g) < most;
+    out[i] = !sheared || well_posedness(inertial_number(rate, pressure, g), g) <= 0 ? 1 : 0;
+  }
+}
+
 }  // namespace
 
-std::vector<double> masses_by_material(const Scene& scene, const Fields& fields, int threads) {
+CellField well_posed_cells(const Scene& scene, const Fields& fields, const RheologyStage& rheology) {
+  CellField out(fields.patch(), 1);
+  for (int j = 0; scene.rheology.law == Law::mu_I && j < out.ny(); ++j)
+    well_posed_row(scene, fields, rheology, j, out.row(j));
+  return out;
+}
+
+double ill_posed_fraction(const Scene& scene, const Fields& fields, const RheologyStage& rheology,
+                          int threads) {
+  if (scene.rheology.law != Law::mu_I) return 0;
+  const int nx = fields.p.nx(), ny = fields.p.ny();
+  RowSums bad(ny), all(ny);
+  parallel(threads, [&](Team& team) {
+    const Rows rows = team.rows(ny);
+    thread_local std::vector<double> well;
+    well.resize(nx);
+    for (int j = rows.begin; j < rows.end; ++j) {
+      well_posed_row(scene, fields, rheology, j, well.data());
+      double b = 0, a = 0;
+      for (int i = 0; i < nx; ++i) {
+        b += 1 - well[i];
+        a += fields.grains(i, j) > 0.5 ? 1 : 0;
+      }
+      bad[j] = b;
+      all[j] = a;
+    }
+  });
+  return all.sum() > 0 ? bad.sum() / all.sum() : 0;
+}
+
+std::vector<double> masses_by_material(const Scene& scene, const Fields& fields, int threads,
+                                       bool by_volume) {
   const int nx = fields.p.nx(), ny = fields.p.ny();
   const double area = fields.patch().h * fields.patch().h;
   std::vector<double> volumes;
   std::vector<const CellField*> phases{&fields.grains};
   for (const CellField& t : fields.tracers) phases.push_back(&t);
+  for (std::size_t k = 0; !by_volume && k < fields.solid.size(); ++k) phases[k] = &fields.solid[k];
   RowSums sums(ny);
   for (const CellField* phase : phases) {
     parallel(threads, [&](Team& team) {
@@ -88,12 +136,12 @@ std::string not_finite(const Fields& fields) {
   return {};
 }
 
-double mass_through(const Scene& scene, const Vof& vof, Side side, FaceRange faces, int material) {
+double mass_through(const Scene& scene, const PhaseFlux& flux, Side side, FaceRange faces, int material) {
   const Patch patch = scene.patch();
   // Phase 0 of the fluxes is all grains, phase k > 0 material k.
   const auto volume = [&](int phase) {
-    const XFaceField& x = vof.flux_x(phase);
-    const YFaceField& y = vof.flux_y(phase);
+    const XFaceField& x = flux.x[phase];
+    const YFaceField& y = flux.y[phase];
     double sum = 0;
     for (int f = faces.first; f < faces.last; ++f)
       sum += side == Side::left     ? -x(0, f)

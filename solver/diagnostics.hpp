@@ -5,16 +5,27 @@
 
 #include "solver/boundary_of.hpp"
 #include "solver/fields.hpp"
+#include "solver/rheology.hpp"
 #include "solver/scene.hpp"
 #include "solver/vof.hpp"
 
 namespace hourglass {
 
-/// Mass of each material in the domain; the sum is the mass of grains.
-std::vector<double> masses_by_material(const Scene& scene, const Fields& fields, int threads);
+/// Mass of each material in the domain; the sum is the mass of grains. With dilatancy by packing; `by_volume`: as if
+/// all were at rest.
+std::vector<double> masses_by_material(const Scene& scene, const Fields& fields, int threads,
+                                       bool by_volume = false);
 
 /// Share of the grain volume that is slower than `speed`.
 double slow_fraction(const Fields& fields, double speed, int threads);
+
+/// 1 where the equations of mu(I) are well posed at the I of the last step (granular_laws.hpp, well_posedness) or the
+/// viscosity stands at eta_max and is a number, 0 where they are not; 1 where grains fill less than half.
+CellField well_posed_cells(const Scene& scene, const Fields& fields, const RheologyStage& rheology);
+
+/// Share of the cells with grains where they are not; 0 for law newtonian and mu_I_regularised.
+double ill_posed_fraction(const Scene& scene, const Fields& fields, const RheologyStage& rheology,
+                          int threads);
 
 /// Fastest cell-centred speed where grains fill at least half of the cell.
 double fastest_grains(const Fields& fields, int threads);
@@ -22,8 +33,8 @@ double fastest_grains(const Fields& fields, int threads);
 /// Whether every velocity and pressure is a finite number; where not, the first place.
 std::string not_finite(const Fields& fields);
 
-/// Mass of one material that left through a range of boundary faces in the last VOF step, outward positive.
-double mass_through(const Scene& scene, const Vof& vof, Side side, FaceRange faces, int material);
+/// Mass of one material that left through a range of boundary faces in the last step, outward positive.
+double mass_through(const Scene& scene, const PhaseFlux& flux, Side side, FaceRange faces, int material);
 
 /// Samples of mass over time, and the rate of its loss.
 struct DischargeWindow {

@@ -11,10 +11,17 @@ struct Fields : Velocity {
   CellField p;       ///< pressure in cells [M/T^2]
   CellField grains;  ///< share of the cell filled by grains of any material, in [0, 1]
   std::vector<CellField>
-      tracers;  ///< [k]: share of the cell filled by material k + 1; empty for one material
+      tracers;         ///< [k]: share of the cell filled by material k + 1; empty for one material
+  CellField fluidity;  ///< granular fluidity g = P/eta [1/T]; only with physics.nonlocal
+  /// Only with physics.dilatancy: share of the cell filled at the packing phi_max, of all grains [0] and of
+  /// material k [k]: their volumes times phi / phi_max.
+  std::vector<CellField> solid;
 
-  explicit Fields(const Patch& patch, int materials)
-      : Velocity(patch), p(patch), grains(patch), tracers(materials - 1, CellField(patch)) {}
+  explicit Fields(const Patch& patch, int materials, bool nonlocal = false, bool dilatant = false)
+      : Velocity(patch), p(patch), grains(patch), tracers(materials - 1, CellField(patch)),
+        solid(dilatant ? materials : 0, CellField(patch)) {
+    if (nonlocal) fluidity = CellField(patch);
+  }
 };
 
 }  // namespace hourglass

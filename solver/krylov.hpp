@@ -15,8 +15,9 @@
 namespace hourglass {
 
 enum class Measure {
-  energy,  ///< sqrt(r . M r), about the energy norm of the error
-  maximum  ///< max |r|
+  energy,   ///< sqrt(r . M r), about the energy norm of the error
+  maximum,  ///< max |r|
+  relative  ///< max |M r| / max(|x|, least), about the relative error everywhere
 };
 
 struct StopRule {
@@ -39,7 +40,9 @@ class Krylov {
   /// Solves A x = b to the rule from the guess in x. Coarse levels must be up to date. x: halo 0 or wrapped,
   /// 0 on fixed points; b is read on unknown points only. Call from every member: each returns the same
   /// statistics.
-  SolveStats solve(Team& team, Multigrid<Level>& multigrid, const Wide& b, Wide& x, const StopRule& rule) {
+  /// `least` is read by Measure::relative only.
+  SolveStats solve(Team& team, Multigrid<Level>& multigrid, const Wide& b, Wide& x, const StopRule& rule,
+                   const Wide* least = nullptr) {
     Level& level = multigrid.finest();
     SolveStats stats;
     stats.tolerance = rule.tolerance;
@@ -56,7 +59,7 @@ class Krylov {
         stats.converged = false;
         break;
       }
-      if (descend(team, multigrid, x, rule, largest, start == 0, stats)) break;
+      if (descend(team, multigrid, x, rule, least, largest, start == 0, stats)) break;
     }
     if (!stats.converged) locate_worst(team, level, stats);
     return stats;
@@ -88,8 +91,8 @@ class Krylov {
 
   /// Iterates until the rule holds, or until the recursive residual has dropped as far as it is trusted.
   /// Returns true when nothing is left to do.
-  bool descend(Team& team, Multigrid<Level>& multigrid, Wide& x, const StopRule& rule, double largest,
-               bool first, SolveStats& stats) {
+  bool descend(Team& team, Multigrid<Level>& multigrid, Wide& x, const StopRule& rule, const Wide* least,
+               double largest, bool first, SolveStats& stats) {
     Level& level = multigrid.finest();
     const Rows rows = team.rows(row_count(p_));
     double pq = 0, rz_start = 0;
@@ -99,6 +102,8 @@ class Krylov {
       for (int k = rows.begin; k < rows.end; ++k) {
         sums_[0][k] = dot(row_of(level.x, k), row_of(level.b, k));
         sums_[1][k] = it > 0 ? dot(row_of(level.x, k), row_of(q_, k)) : 0;
+        if (rule.measure == Measure::relative)
+          sums_[4][k] = largest_share(row_of(level.x, k), row_of(x, k).data, row_of(*least, k).data);
       }
       team.sync();
       const double rz = sums_[0].sum();
@@ -107,8 +112,8 @@ class Krylov {
         stats.converged = false;
         return true;
       }
-      if (rule.measure == Measure::energy) {
-        const double error = std::sqrt(std::abs(rz));
+      if (rule.measure != Measure::maximum) {
+        const double error = rule.measure == Measure::relative ? sums_[4].max() : std::sqrt(std::abs(rz));
         if (it == 0) rz_start = rz;
         if (first && it == 0) stats.initial = error;
         stats.final = error;
@@ -179,6 +184,15 @@ class Krylov {
     team.sync();
   }
 
+  static double largest_share(Row<T> z, const double* __restrict x, const double* __restrict least) {
+    double m = 0;
+#pragma omp simd reduction(max : m)
+    for (int i = 0; i < z.n; ++i) {
+      const double share = std::abs(static_cast<double>(z.data[i])) / std::max(std::abs(x[i]), least[i]);
+      m = share > m ? share : m;
+    }
+    return m;
+  }
   static double dot(Row<const T> a, Row<const T> b) {
     double s = 0;
 #pragma omp simd reduction(+ : s)

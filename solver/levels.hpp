@@ -106,6 +106,17 @@ class PoissonLevel {
   Boundary boundary_;
 };
 
+/// κ q - ∇·(β ∇q) = b on one patch: the granular fluidity.
+template <class T>
+class HelmholtzLevel : public PoissonLevel<T> {
+ public:
+  HelmholtzLevel(const Patch& p, const Boundary& boundary, bool finest)
+      : PoissonLevel<T>(p, boundary, finest) {
+    this->a.absorption = CellFieldOf<T>(p);
+  }
+  bool singular() const { return false; }
+};
+
 /// ρ u - Δt ∇·(2ηD) = ρ u* on one patch.
 template <class T>
 class ViscousLevel {

@@ -173,6 +173,10 @@ class Multigrid {
     }
   }
 
+  template <class Change>
+  void each_level(Change&& change) {
+    for (Level& level : levels_) change(level);
+  }
   Level& finest() { return levels_.front(); }
   const Level& finest() const { return levels_.front(); }
   int depth() const { return static_cast<int>(levels_.size()); }

@@ -7,12 +7,16 @@
 namespace hourglass {
 
 template <class T>
-Projection<T>::Projection(const Patch& patch, const Boundary& boundary)
+Projection<T>::Projection(const Patch& patch, const Boundary& boundary, bool compliant)
     : multigrid_(patch, boundary, 2), krylov_(patch), q_(patch), rhs_(patch), largest_(patch.ny),
-      speed_(patch.ny) {}
+      speed_(patch.ny) {
+  if (compliant)
+    multigrid_.each_level(
+        [](PoissonLevel<T>& level) { level.a.absorption = CellFieldOf<T>(level.x.patch()); });
+}
 
 template <class T>
-void Projection<T>::assemble(Team& team, const CellField& density) {
+void Projection<T>::assemble(Team& team, const CellField& density, const CellField* compliance, double dt) {
   PoissonLevel<T>& level = multigrid_.finest();
   const Boundary& boundary = level.boundary();
   const int nx = density.nx(), ny = density.ny();
@@ -26,6 +30,11 @@ void Projection<T>::assemble(Team& team, const CellField& density) {
       if (!boundary.periodic_x) {
         b[0] = static_cast<T>(2 * boundary.left.open[j] / rho[0]);
         b[nx] = static_cast<T>(2 * boundary.right.open[j] / rho[nx - 1]);
+      }
+      if (level.a.absorption.allocated()) {  // compliance δp, δp = q h/dt, for ∇·u h
+        T* __restrict kappa = level.a.absorption.row(j);
+        const double scale = compliance ? density.patch().h * density.patch().h / dt : 0;
+        for (int i = 0; i < nx; ++i) kappa[i] = static_cast<T>(compliance ? scale * (*compliance)(i, j) : 0);
       }
     }
     T* __restrict b = level.a.beta.v.row(j);
@@ -69,7 +78,8 @@ void Projection<T>::add_gravity_and_pressure_row(const CellField& p, std::array<
 }
 
 template <class T>
-double Projection<T>::measure_divergence(Team& team, const Velocity& w) {
+double Projection<T>::measure_divergence(Team& team, const Velocity& w, const CellField* divergence) {
+  const double h = rhs_.patch().h;
   const Rows rows = team.rows(rhs_.ny());
   for (int j = rows.begin; j < rows.end; ++j) {
     const double *u = w.u.row(j), *vs = w.v.row(j), *vn = w.v.row(j + 1);
@@ -77,6 +87,11 @@ double Projection<T>::measure_divergence(Team& team, const Velocity& w) {
     const int n = rhs_.nx();
 #pragma omp simd
     for (int i = 0; i < n; ++i) out[i] = -((u[i + 1] - u[i]) + (vn[i] - vs[i]));
+    if (divergence) {
+      const double* S = divergence->row(j);
+#pragma omp simd
+      for (int i = 0; i < n; ++i) out[i] += h * S[i];
+    }
     largest_[j] = max_magnitude(out, n);
     speed_[j] = std::max(max_magnitude(u, n + 1), max_magnitude(vs, n));
   }
@@ -88,16 +103,16 @@ double Projection<T>::measure_divergence(Team& team, const Velocity& w) {
 
 template <class T>
 double Projection<T>::max_divergence(Team& team, const Velocity& w, double dt) {
-  return measure_divergence(team, w) * dt / q_.patch().h;
+  return measure_divergence(team, w, nullptr) * dt / q_.patch().h;
 }
 
 template <class T>
 SolveStats Projection<T>::solve(Team& team, double dt, double tolerance, int max_iterations, Velocity& w,
-                                CellField& p) {
+                                CellField& p, const ProjectionModules& modules) {
   PoissonLevel<T>& level = multigrid_.finest();
   const Boundary& boundary = level.boundary();
   const double to_div = dt / q_.patch().h;
-  measure_divergence(team, w);
+  measure_divergence(team, w, modules.divergence);
   const Rows rows = team.rows(q_.ny());
   const double floor = 64 * 2.2e-16 * speed_.max();
   const StopRule rule{Measure::maximum, std::max(tolerance / to_div, floor), max_iterations};
@@ -138,6 +153,12 @@ SolveStats Projection<T>::solve(Team& team, double dt, double tolerance, int max
     for (int i = 0; i < q_.nx(); ++i) {
       q[i] -= mean;
       out[i] += to_p * q[i];
+    }
+    if (modules.rotational != 0) {  // rhs_ is still -h (∇·u** - divergence)
+      const double *eta = modules.viscosity->row(j), *rhs = rhs_.row(j);
+      const double omega_h = modules.rotational / q_.patch().h;
+#pragma omp simd
+      for (int i = 0; i < q_.nx(); ++i) out[i] += omega_h * eta[i] * rhs[i];
     }
     if (boundary.periodic_x) wrap_row(q, q_.nx());
     if (boundary.periodic_x) wrap_row(out, q_.nx());

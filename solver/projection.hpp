@@ -7,13 +7,22 @@
 
 namespace hourglass {
 
+/// What a scene may add to a projection; nullptr, 0: nothing.
+struct ProjectionModules {
+  const CellField* divergence = nullptr;  ///< S: ∇·u is to be S - compliance δp, not 0 [1/T]
+  const CellField* viscosity = nullptr;   ///< eta of the rotational term [M/T]
+  double rotational = 0;                  ///< omega: p <- p + δp - omega eta (∇·u** - divergence)
+};
+
 template <class T>
 class Projection {
  public:
-  Projection(const Patch& patch, const Boundary& boundary);
+  /// `compliant`: assemble() will be given a compliance.
+  Projection(const Patch& patch, const Boundary& boundary, bool compliant = false);
 
-  /// β of all levels. in: density in cells, halo 2 [M/L^2]. Synced on return.
-  void assemble(Team& team, const CellField& density);
+  /// β of all levels. in: density in cells, halo 2 [M/L^2]; compliance -dS/dp >= 0 of the divergence asked for [T/M],
+  /// nullptr: 0. Synced on return.
+  void assemble(Team& team, const CellField& density, const CellField* compliance = nullptr, double dt = 0);
 
   /// u* += Δt (g - β ∂p) on unknown faces. in: p halo 0 (wrapped where periodic); inout: w, interior.
   void add_gravity_and_pressure(Team& team, const CellField& p, std::array<double, 2> gravity, double dt,
@@ -25,9 +34,10 @@ class Projection {
   /// The first guess of δp is that of the solve before; this makes it 0. Call from one member.
   void forget() { q_.fill(0); }
 
-  /// in: w = u**, 0 on walls; out: w solenoidal to max |div w| dt <= tolerance, p updated (halo wrapped where
+  /// in: w = u**, 0 on walls; out: w solenoidal, or of the given divergence, to max |div w| dt <= tolerance, p updated (halo wrapped where
   /// periodic). The statistics are in units of div dt.
-  SolveStats solve(Team& team, double dt, double tolerance, int max_iterations, Velocity& w, CellField& p);
+  SolveStats solve(Team& team, double dt, double tolerance, int max_iterations, Velocity& w, CellField& p,
+                   const ProjectionModules& modules = {});
 
   /// max |div w| dt. Every member returns the same.
   double max_divergence(Team& team, const Velocity& w, double dt);
@@ -35,8 +45,8 @@ class Projection {
   std::size_t bytes() const { return multigrid_.bytes() + krylov_.bytes() + q_.bytes() + rhs_.bytes(); }
 
  private:
-  double measure_divergence(Team& team,
-                            const Velocity& w);  ///< rhs_ = -Σ velocities out of a cell; returns max |.|
+  /// rhs_ = -Σ velocities out of a cell + h divergence; returns max |.|
+  double measure_divergence(Team& team, const Velocity& w, const CellField* divergence);
 
   Multigrid<PoissonLevel<T>> multigrid_;
   Krylov<PoissonLevel<T>> krylov_;

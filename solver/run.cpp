@@ -143,8 +143,9 @@ class Run {
   void watch_solves(const StepReport& report) {
     summary_.worst_max_divergence = std::max(summary_.worst_max_divergence, report.max_divergence);
     bool missed_now = false;
-    for (const auto& [name, stats] :
-         {std::pair{"pressure", &report.pressure}, {"viscous", &report.viscous}}) {
+    for (const auto& [name, stats] : {std::pair{"pressure", &report.pressure},
+                                      {"viscous", &report.viscous},
+                                      {"fluidity", &report.fluidity}}) {
       if (stats->converged && std::isfinite(stats->final)) continue;
       missed_now = true;
       const std::string text = missed(name, *stats, report);
@@ -250,8 +251,14 @@ class Run {
     r.quasi_static_fraction = rows > 0 ? share / rows : simulation_.quasi_static_fraction();
     double gone = s_.other_mass;
     for (double m : s_.orifice_mass) gone += m;
-    if (initial_mass_ > 0)
-      r.mass_error = std::abs((initial_mass_ - simulation_.grain_mass()) - gone) / initial_mass_;
+    double left = simulation_.grain_mass();
+    if (scene_.dilatancy &&
+        scene_.dilatancy->mode == DilatancyMode::weight) {  // which conserves volume, not mass
+      gone = s_.lost_volume;
+      left = 0;
+      for (double m : masses_by_material(scene_, s_.fields, s_.threads, true)) left += m;
+    }
+    if (initial_mass_ > 0) r.mass_error = std::abs((initial_mass_ - left) - gone) / initial_mass_;
     r.steps = s_.steps;
     r.cells = s_.fields.patch().cells();
     r.threads = threads_of(scene_);

@@ -47,6 +47,16 @@ std::optional<std::array<double, 2>> well_posed_range(const Material& m) {
                     high == points ? INFINITY : edge(log_I(high + 1), log_I(high))};
 }
 
+std::optional<RegularisedFriction> regularised_friction(const Material& m, const Rheology& rheology) {
+  const auto range = well_posed_range(m);
+  if (!range || (*range)[0] <= 0) return std::nullopt;
+  RegularisedFriction r{(*range)[0], 0, rheology.alpha, rheology.mu_inf};
+  const double mu =
+      (m.mu_s * m.I_0 + (m.mu_s + m.delta_mu) * r.I_1 + r.mu_inf * r.I_1 * r.I_1) / (m.I_0 + r.I_1);
+  r.log_A = std::log(r.I_1) + r.alpha / (mu * mu);
+  return r;
+}
+
 namespace {
 
 constexpr double bytes_per_cell = 600;    // of everything that a run allocates, about
@@ -210,7 +220,26 @@ void check_materials(const Scene& s, Problems& p) {
     sound &= p.require(m.I_0 > 0, path + ".I_0", m.I_0, "> 0", "Glass beads have about 0.28.");
     p.require(m.diameter > 0, path + ".diameter", m.diameter, "> 0", "It is 1 in grain units.");
     p.require(m.density > 0, path + ".density", m.density, "> 0", "It is 1 in grain units.");
-    if (s.rheology.law == Law::newtonian) {
+    p.require(m.cohesion >= 0, path + ".cohesion", m.cohesion, ">= 0", "0 is dry sand.");
+    const auto of_module = [&](const char* key, const std::optional<double>& value, bool named,
+                               const char* module) {
+      if (!value) return;
+      p.require(*value >= 0, path + "." + key, *value, ">= 0");
+      if (!named)
+        p.warn(path + "." + key, fmt::format("is not used: the scene does not name physics.{}.", module));
+    };
+    of_module("A", m.A, s.nonlocal.has_value(), "nonlocal");
+    of_module("phi_g", m.phi_g, s.dilatancy.has_value(), "dilatancy");
+    of_module("F", m.F, s.wall_friction.has_value(), "wall_friction");
+    if (s.rheology.law == Law::mu_I_regularised && sound) {
+      if (!regularised_friction(m, s.rheology))
+        p.error(path,
+                fmt::format(
+                    "law mu_I_regularised has no solution for mu_s = {}, delta_mu = {} (mu(I) must be well "
+                    "posed at some I: mu_s below about 0.59). Use law mu_I with smoothing_length, or "
+                    "physics.nonlocal.",
+                    m.mu_s, m.delta_mu));
+    } else if (s.rheology.law == Law::newtonian) {
       p.require(m.viscosity > 0, path + ".viscosity", m.viscosity, "> 0",
                 "Law newtonian takes it from here.");
     } else {
@@ -401,13 +430,83 @@ void check_numerics(const Scene& s, Problems& p) {
   p.require(r.smoothing_length >= 0, path + "smoothing_length", r.smoothing_length, ">= 0",
             "One grain diameter is the usual choice.");
   p.require(r.background_pressure >= 0, path + "background_pressure", r.background_pressure, ">= 0");
+  p.require(r.alpha > 0 && r.alpha < 2, path + "alpha", r.alpha, "above 0, below 2", "1.9 is usual.");
+  p.require(r.mu_inf >= 0, path + "mu_inf", r.mu_inf, ">= 0", "0.05 is usual.");
   const Accuracy& a = s.accuracy;
+  p.require(a.fluidity_tolerance > 0 && a.fluidity_tolerance < 1, "accuracy.fluidity_tolerance",
+            a.fluidity_tolerance, "above 0, below 1", "1e-2 is balanced.");
+  p.require(a.splitting.outer >= 1 && a.splitting.outer <= 100, "accuracy.splitting.outer", a.splitting.outer,
+            "1 to 100");
+  p.require(a.splitting.picard >= 1 && a.splitting.picard <= 100, "accuracy.splitting.picard",
+            a.splitting.picard, "1 to 100");
+  p.require(a.splitting.rotational >= 0 && a.splitting.rotational < 2, "accuracy.splitting.rotational",
+            a.splitting.rotational, "at least 0, below 2", "1 is the usual form.");
   p.require(a.viscous_tolerance > 0 && a.viscous_tolerance < 1, "accuracy.viscous_tolerance",
             a.viscous_tolerance, "above 0, below 1", "5e-3 is balanced.");
   p.require(a.pressure_tolerance > 0 && a.pressure_tolerance < 1, "accuracy.pressure_tolerance",
             a.pressure_tolerance, "above 0, below 1", "3e-6 is balanced.");
   p.require(a.max_iterations >= 1, "accuracy.max_iterations", a.max_iterations, ">= 1");
   p.require(s.threads >= 0 && s.threads <= 1024, "threads", s.threads, "0 to 1024", "0 takes all cores.");
+}
+
+void check_modules(const Scene& s, Problems& p) {
+  const bool newtonian = s.rheology.law == Law::newtonian;
+  const auto needs_friction = [&](bool named, const char* module) {
+    if (named && newtonian)
+      p.error(std::string("physics.") + module,
+              "needs the friction of grains, which law newtonian has not (laws mu_I, mu_I_regularised). "
+              "Remove it, or "
+              "use law mu_I.");
+  };
+  needs_friction(s.nonlocal.has_value(), "nonlocal");
+  needs_friction(s.dilatancy.has_value(), "dilatancy");
+  if (s.nonlocal) {
+    const Nonlocal& n = *s.nonlocal;
+    p.require(n.A >= 0, "physics.nonlocal.A", n.A, ">= 0", "0.5 is usual.");
+    if (n.closure == Closure::kamrin && s.rheology.law == Law::mu_I_regularised)
+      p.error("physics.nonlocal.closure",
+              "kamrin has a flow rule of its own (thesis, with law mu_I_regularised).");
+    for (const Material& m : s.materials)
+      if (n.closure == Closure::kamrin && m.delta_mu == 0)
+        p.error("materials." + m.name + ".delta_mu", "0 is out of range (closure kamrin needs it above 0).");
+  }
+  if (s.dilatancy) {
+    const Dilatancy& d = *s.dilatancy;
+    const std::string path = "physics.dilatancy.";
+    p.require(d.phi_g >= 0, path + "phi_g", d.phi_g, ">= 0", "0.2 is usual.");
+    p.require(d.phi_max > 0 && d.phi_max <= 1, path + "phi_max", d.phi_max, "above 0, at most 1",
+              "0.6 is usual.");
+    p.require(d.phi_min > 0 && d.phi_min <= d.phi_max, path + "phi_min", d.phi_min,
+              "above 0, at most phi_max", "0.2 is usual.");
+    p.require(d.relaxation_time > 0, path + "relaxation_time", d.relaxation_time, "> 0",
+              "sqrt(d/g) is the default.");
+    p.require(d.K > 0, path + "K", d.K, "> 0", "4 is usual.");
+    bool opening = !s.orifices.empty();
+    for (const Wall wall : s.walls) opening |= wall == Wall::open;
+    if (!opening && d.mode != DilatancyMode::weight)
+      p.error("physics.dilatancy",
+              "needs an opening: in a closed box nothing makes room for what dilates (an orifice, a "
+              "side that is open, or mode weight).");
+    if (d.mode == DilatancyMode::weight)
+      p.warn("physics.dilatancy.mode",
+             "weight lets phi(I) weigh in the density only, as the silo thesis does: the mass of grains "
+             "changes where I "
+             "does. Mode source conserves it.");
+  }
+  if (s.wall_friction) {
+    const WallFriction& f = *s.wall_friction;
+    const std::string path = "physics.wall_friction";
+    if (f.F ? f.mu_w || f.gap : !(f.mu_w && f.gap))
+      p.error(path,
+              "its strength is to be given once: by F = 2 mu_w / gap, or by mu_w and gap. E.g. {F: 0.0167}.");
+    if (f.F) p.require(*f.F >= 0, path + ".F", *f.F, ">= 0");
+    if (f.mu_w) p.require(*f.mu_w >= 0, path + ".mu_w", *f.mu_w, ">= 0");
+    if (f.gap) p.require(*f.gap > 0, path + ".gap", *f.gap, "> 0");
+    p.require(f.speed_floor > 0, path + ".speed_floor", f.speed_floor, "> 0",
+              "1e-5 sqrt(g d) is the default.");
+    for (const double v : f.wall_velocity)
+      if (!std::isfinite(v)) p.error(path + ".wall_velocity", fmt::format("{} is not finite.", v));
+  }
 }
 
 /// Through an orifice, or over an open side that gravity does not keep them from.
@@ -456,12 +555,8 @@ void check_output(const Scene& s, Problems& p) {
   for (const FieldInfo& info : known_fields()) known += (known.empty() ? "" : ", ") + std::string(info.name);
   for (std::size_t k = 0; k < s.output.fields.size(); ++k) {
     const std::string &name = s.output.fields[k], path = fmt::format("output.fields.{}", k);
-    if (name == "fluidity_ratio")
-      p.error(
-          path,
-          "fluidity_ratio belongs to physics.nonlocal, which is not modelled by this version. Remove it.");
-    else if (std::none_of(known_fields().begin(), known_fields().end(),
-                          [&](const FieldInfo& info) { return info.name == name; }))
+    if (std::none_of(known_fields().begin(), known_fields().end(),
+                     [&](const FieldInfo& info) { return info.name == name; }))
       p.error(path, fmt::format("there is no field '{:.40}' (allowed: {}).", name, known));
   }
 }
@@ -476,6 +571,7 @@ std::vector<Problem> check(const Scene& scene) {
   check_fill(scene, domain_sound, problems);
   check_walls(scene, domain_sound, problems);
   check_numerics(scene, problems);
+  check_modules(scene, problems);
   check_time(scene, problems);
   return problems.list;
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "kernels/granular_laws.hpp"
 #include "kernels/patch.hpp"
 
 namespace hourglass {
@@ -20,8 +21,24 @@ inline constexpr std::array side_names{"left", "right", "bottom", "top"};
 /// `periodic` comes in the pair left, right.
 enum class Wall { no_slip, free_slip, open, periodic };
 inline constexpr std::array wall_names{"no_slip", "free_slip", "open", "periodic"};
-enum class Law { mu_I, newtonian };
-inline constexpr std::array law_names{"mu_I", "newtonian"};
+enum class Law { mu_I, mu_I_regularised, newtonian };
+inline constexpr std::array law_names{"mu_I", "mu_I_regularised", "newtonian"};
+/// How the viscosity of slow grains meets eta_max: cut off there, or smoothly, by adding (mu_s P / eta_max)^2 to
+/// |γ̇|^2.
+enum class Cap { clip, smooth };
+inline constexpr std::array cap_names{"clip", "smooth"};
+/// What spreads the granular fluidity: docs/physics.md, Nonlocal fluidity.
+enum class Closure { thesis, kamrin };
+inline constexpr std::array closure_names{"thesis", "kamrin"};
+/// Granular fluidity at walls.
+enum class FluidityWall { zero, no_flux };
+inline constexpr std::array fluidity_wall_names{"zero", "no_flux"};
+/// What follows from the packing fraction phi(I): docs/physics.md, Dilatancy.
+enum class DilatancyMode { source, relax, weight };
+inline constexpr std::array dilatancy_mode_names{"source", "relax", "weight"};
+/// Wall friction in the viscous solve, or as the thesis's explicit limiter.
+enum class FrictionMode { implicit, limiter };
+inline constexpr std::array friction_mode_names{"implicit", "limiter"};
 /// Mean that takes the viscosity from the four cells around a corner to the corner.
 enum class CornerMean { harmonic, arithmetic };
 inline constexpr std::array corner_mean_names{"harmonic", "arithmetic"};
@@ -44,7 +61,12 @@ struct Material {
   double I_0 = 0.6;        ///< [1] > 0
   double diameter = 1;     ///< grain diameter [L] > 0
   double density = 1;      ///< bulk density at rest [M/L^2] > 0
+  double cohesion = 0;     ///< yield stress at P = 0, added to mu P [M/T^2] >= 0
   double viscosity = 0;    ///< only for law newtonian: eta [M/T] > 0
+  // Its own value where it differs from that of the module; only where the scene names the module.
+  std::optional<double> A{};      ///< physics.nonlocal.A [1] >= 0
+  std::optional<double> phi_g{};  ///< physics.dilatancy.phi_g [1] >= 0
+  std::optional<double> F{};      ///< physics.wall_friction.F [1/L] >= 0
   bool operator==(const Material&) const = default;
 };
 
@@ -73,10 +95,44 @@ struct Rheology {
   double eta_min = 1;             ///< floor of the grains' viscosity [M/T]; rho d sqrt(g d)
   double eta_max = 1.643e6;       ///< cap, taken at rest [M/T]
   double smoothing_length = 0.5;  ///< the shear rate is smoothed over this [L]; 0: not at all
+  Cap cap = Cap::clip;
+  double alpha = 1.9;    ///< law mu_I_regularised: slope of its logarithmic branch [1] in (0, 2)
+  double mu_inf = 0.05;  ///< the same: growth of mu at large I [1] >= 0
   CornerMean corner_mean = CornerMean::harmonic;
   EdgeRule orifice_edge = EdgeRule::half_wall;
   double background_pressure = 0;  ///< added to p in mu(I) and I [M/T^2]; for verification flows
   bool operator==(const Rheology&) const = default;
+};
+
+/// Granular fluidity g = P/eta spread over neighbours: g = g_local + xi^2 lap g, xi = A d sqrt(...).
+struct Nonlocal {
+  double A = 0.5;  ///< nonlocal amplitude [1] >= 0
+  Closure closure = Closure::thesis;
+  FluidityWall walls = FluidityWall::zero;
+  bool operator==(const Nonlocal&) const = default;
+};
+
+/// Packing fraction phi(I) = max(phi_max - phi_g I, phi_min).
+struct Dilatancy {
+  double phi_g = 0.2;  ///< [1] >= 0
+  double phi_max = 0.6, phi_min = 0.2;
+  DilatancyMode mode = DilatancyMode::source;
+  double relaxation_time = 1;  ///< mode source: phi reaches phi(I) in this time [T] > 0
+  double K = 4;                ///< mode relax: div u = K |γ̇| (phi - phi(I)) [1] > 0
+  bool operator==(const Dilatancy&) const = default;
+};
+
+/// Friction of a front and a back wall (Hele-Shaw): a force F P against the motion.
+struct WallFriction {
+  std::optional<double> F{};     ///< 2 mu_w / gap [1/L] >= 0
+  std::optional<double> mu_w{};  ///< or by friction [1] ...
+  std::optional<double> gap{};   ///< ... and distance of the walls [L]
+  FrictionMode mode = FrictionMode::implicit;
+  double speed_floor = 1e-5;                  ///< below it friction is a drag, F P u / speed_floor [L/T] > 0
+  std::array<double, 2> wall_velocity{0, 0};  ///< of the two walls [L/T]
+
+  double strength() const { return F ? *F : mu_w && gap ? 2 * *mu_w / *gap : 0; }
+  bool operator==(const WallFriction&) const = default;
 };
 
 struct TimeControl {
@@ -93,12 +149,22 @@ struct Stop {
   bool operator==(const Stop&) const = default;
 };
 
+/// How a step couples velocity, pressure and viscosity (docs/theory.md, Splitting).
+struct Splitting {
+  int outer = 1;          ///< rounds of viscous solve and projection a step
+  int picard = 1;         ///< viscous solves a round, each with the viscosity of the velocity before
+  double rotational = 0;  ///< omega in p += δp - omega eta div u** [1] in [0, 2)
+  bool operator==(const Splitting&) const = default;
+};
+
 /// The levers that trade speed for accuracy; `accuracy:` in a scene file.
 struct Accuracy {
   double viscous_tolerance = 5e-3;   ///< energy norm of the error over that of the flow
   double pressure_tolerance = 3e-6;  ///< max |div u| dt
+  double fluidity_tolerance = 1e-2;  ///< error of the granular fluidity over its own size, everywhere
   int max_iterations = 200;
   Precision precision = Precision::mixed;
+  Splitting splitting{};
   bool operator==(const Accuracy&) const = default;
 };
 
@@ -106,7 +172,8 @@ struct Output {
   double series_every = 0.27;     ///< [T]
   double fields_every = 5.48;     ///< [T]; 0: none
   double snapshots_every = 5.48;  ///< [T]; 0: none
-  std::vector<std::string> fields{"speed", "pressure", "grains", "tracer"};
+  std::vector<std::string> fields{"speed",  "pressure",       "grains",
+                                  "tracer", "fluidity_ratio", "packing"};  ///< those that the scene has
   bool operator==(const Output&) const = default;
 };
 
@@ -122,6 +189,9 @@ struct Scene {
   std::array<Wall, 4> walls{Wall::no_slip, Wall::no_slip, Wall::no_slip, Wall::open};  ///< by Side
   std::vector<Orifice> orifices;
   Rheology rheology;
+  std::optional<Nonlocal> nonlocal;  ///< what is not named is not modelled, not stored, not paid for
+  std::optional<Dilatancy> dilatancy;
+  std::optional<WallFriction> wall_friction;
   TimeControl time;
   Stop stop;
   Accuracy accuracy;
@@ -148,6 +218,9 @@ Scales scales(const Scene& scene);
 /// if there are none. Barker, Schaeffer, Bohorquez & Gray 2015, JFM 779:794: C = 4 nu^2 - 4 nu + mu^2 (1 -
 /// nu/2)^2 <= 0 with nu = I mu'(I) / mu.
 std::optional<std::array<double, 2>> well_posed_range(const Material& material);
+
+/// The law mu_I_regularised of a material; nullopt where mu(I) is well posed nowhere: then it has no I_1 to hold on to.
+std::optional<RegularisedFriction> regularised_friction(const Material& material, const Rheology& rheology);
 
 /// A thing wrong with a scene: the dotted path of the key, what is wrong with allowed range and cure.
 struct Problem {

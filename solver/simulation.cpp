@@ -38,24 +38,36 @@ void Simulation::Impl::fill() {
       for (std::size_t k = 0; k < fields.tracers.size(); ++k)
         fields.tracers[k](i, j) = std::clamp(share[k + 1] * rounding, 0.0, fields.grains(i, j));
     }
+  for (std::size_t k = 0; k < fields.solid.size(); ++k)  // at rest: phi_max
+    fields.solid[k] = k == 0 ? fields.grains : fields.tracers[k - 1];
   fill_cell_halo(boundary, fields.grains);
 }
 
 /// Adds what left in the last step to the accounts.
 void Simulation::Impl::account() {
   const Patch patch = scene.patch();
-  for (int k = 0; k < static_cast<int>(scene.materials.size()); ++k) {
+  const auto each_way_out = [&](const PhaseFlux& flux, int k, auto&& leave) {
     for (std::size_t o = 0; o < scene.orifices.size(); ++o) {
       const Orifice& orifice = scene.orifices[o];
-      const double lost = mass_through(scene, stepper->vof(), orifice.wall, faces_of(orifice, patch), k);
-      orifice_mass[o] += lost;
-      orifice_material[k] += lost;
+      leave(static_cast<int>(o), mass_through(scene, flux, orifice.wall, faces_of(orifice, patch), k));
     }
     for (int s = 0; s < 4; ++s) {
       const Side side = static_cast<Side>(s);
       const FaceRange all{0, side == Side::left || side == Side::right ? patch.ny : patch.nx};
-      if (scene.walls[s] == Wall::open) other_mass += mass_through(scene, stepper->vof(), side, all, k);
+      if (scene.walls[s] == Wall::open) leave(-1, mass_through(scene, flux, side, all, k));
     }
+  };
+  for (int k = 0; k < static_cast<int>(scene.materials.size()); ++k) {
+    each_way_out(stepper->mass_flux(), k, [&](int orifice, double lost) {
+      if (orifice < 0) {
+        other_mass += lost;
+        return;
+      }
+      orifice_mass[orifice] += lost;
+      orifice_material[k] += lost;
+    });
+    if (scene.dilatancy && scene.dilatancy->mode == DilatancyMode::weight)
+      each_way_out(stepper->vof().flux(), k, [&](int, double lost) { lost_volume += lost; });
   }
 }
 
@@ -67,6 +79,7 @@ SeriesRow Simulation::Impl::row(const StepReport& report) const {
   for (double m : r.material_mass) r.mass += m;
   const double g = std::hypot(scene.gravity[0], scene.gravity[1]);
   r.quasi_static_fraction = slow_fraction(fields, 1e-3 * std::sqrt(g * scene.materials[0].diameter), threads);
+  r.ill_posed_fraction = ill_posed_fraction(scene, fields, stepper->rheology(), threads);
   r.max_speed = fastest_grains(fields, threads);
   r.orifice_outflow = orifice_mass;
   r.material_outflow = orifice_material;
@@ -102,6 +115,8 @@ std::vector<std::pair<std::string, std::size_t>> Simulation::memory() const {
   const Fields& f = impl_->fields;
   std::size_t state = f.u.bytes() + f.v.bytes() + f.p.bytes() + f.grains.bytes();
   for (const CellField& t : f.tracers) state += t.bytes();
+  for (const CellField& t : f.solid) state += t.bytes();
+  state += f.fluidity.bytes();
   auto table = impl_->stepper->memory();
   table.insert(table.begin(), {"fields", state});
   return table;
@@ -121,7 +136,9 @@ StepReport Simulation::step(double t_limit) {
   s.stepper->step(s.fields, dt.dt, s.steps % 2 == 0, s.timers, report);
   s.account();
   // A viscous iteration costs about two of the pressure's, and all the rest about two viscous ones.
-  s.governor.record(4 + 2 * report.viscous.iterations + report.pressure.iterations, seconds_since(start));
+  s.governor.record(
+      4 + 2 * report.viscous.iterations + report.pressure.iterations + report.fluidity.iterations,
+      seconds_since(start));
   s.t = dt.limit == DtLimit::end ? t_limit : s.t + dt.dt;
   if (dt.limit != DtLimit::end) s.dt = dt.dt;
   ++s.steps;
@@ -154,6 +171,13 @@ CellField Simulation::derived(const std::string& name) const {
     for (int j = 0; j < patch.ny; ++j)
       for (int i = 0; i < patch.nx; ++i) out(i, j) = value(i, j);
   };
+  const auto each_row = [&](auto&& value) {  // with the properties of the grains
+    for (int j = 0; j < patch.ny; ++j) {
+      GrainProperties::Rows rows(impl_->stepper->rheology().properties(), f, j);
+      const GrainRows law = rows.law();
+      for (int i = 0; i < patch.nx; ++i) out(i, j) = value(j, i, law.at(i));
+    }
+  };
   const auto vx = [&](int i, int j) { return 0.5 * (f.u(i, j) + f.u(i + 1, j)); };
   const auto vy = [&](int i, int j) { return 0.5 * (f.v(i, j) + f.v(i, j + 1)); };
   const CellField& gamma2 = impl_->stepper->rheology().shear_rate_squared();
@@ -179,15 +203,36 @@ CellField Simulation::derived(const std::string& name) const {
   } else if (name == "shear_rate") {
     each(shear_rate);
   } else if (name == "inertial_number") {
-    const Grain grain = impl_->stepper->rheology().grain(0);
-    each([&](int i, int j) {
-      return f.grains(i, j) > 0.5 && f.p(i, j) > 0 ? inertial_number(shear_rate(i, j), f.p(i, j), grain)
-                                                   : 0.0;
+    each_row([&](int j, int i, const Grain& g) {
+      return f.grains(i, j) > 0.5 && f.p(i, j) > 0 ? inertial_number(shear_rate(i, j), f.p(i, j), g) : 0.0;
     });
+  } else if (name == "well_posed") {
+    out = well_posed_cells(impl_->scene, f, impl_->stepper->rheology());
+  } else if (name == "fluidity" && f.fluidity.allocated()) {
+    each([&](int i, int j) { return f.fluidity(i, j); });
+  } else if (name == "fluidity_ratio" && f.fluidity.allocated()) {
+    each_row([&](int j, int i, const Grain& g) {
+      if (f.grains(i, j) <= 0.5 || f.p(i, j) <= 0) return 0.0;
+      const double rate = shear_rate(i, j);
+      const double local = rate / std::max(mu_of_I(inertial_number(rate, f.p(i, j), g), g), 1e-30);
+      return f.fluidity(i, j) / std::max(local, f.p(i, j) / impl_->scene.rheology.eta_max);
+    });
+  } else if (name == "packing" && !f.solid.empty()) {
+    const double phi_max = impl_->scene.dilatancy->phi_max;
+    each([&](int i, int j) {
+      return f.grains(i, j) > 0.5 ? phi_max * f.solid[0](i, j) / f.grains(i, j) : 0.0;
+    });
+  } else if (name == "dilation" && !f.solid.empty()) {
+    each([&](int i, int j) { return ((f.u(i + 1, j) - f.u(i, j)) + (f.v(i, j + 1) - f.v(i, j))) / patch.h; });
   } else {
     throw std::invalid_argument("no field is called " + name);
   }
   return out;
+}
+
+bool has_module(const Scene& scene, const std::string& module) {
+  return (module == "nonlocal" && scene.nonlocal) || (module == "dilatancy" && scene.dilatancy) ||
+         (module == "wall_friction" && scene.wall_friction);
 }
 
 const std::vector<FieldInfo>& known_fields() {
@@ -201,6 +246,11 @@ const std::vector<FieldInfo>& known_fields() {
       {"viscosity", "M/T", "viscosity", true},
       {"shear_rate", "1/T", "shear rate", true},
       {"inertial_number", "1", "inertial number I", true},
+      {"well_posed", "1", "well-posed (1) or not (0)", false},
+      {"fluidity", "1/T", "granular fluidity", true, "nonlocal"},
+      {"fluidity_ratio", "1", "fluidity over local fluidity", true, "nonlocal"},
+      {"packing", "1", "packing fraction", false, "dilatancy"},
+      {"dilation", "1/T", "divergence of the velocity", false, "dilatancy"},
   };
   return fields;
 }

@@ -19,6 +19,7 @@ struct StepReport {
   double t = 0, dt = 0;  ///< time at the end of the step; its length [T]
   DtLimit limit = DtLimit::dt_max;
   SolveStats pressure, viscous;
+  SolveStats fluidity;        ///< of physics.nonlocal; 0 iterations without
   double max_divergence = 0;  ///< max |div u| dt [1]
   double max_speed = 0;       ///< grains and air [L/T]
   long capped_cells = 0;      ///< grain cells at eta_max
@@ -34,7 +35,9 @@ struct SeriesRow {
   std::vector<double> material_mass;     ///< by material [M]
   std::vector<double> material_outflow;  ///< through all orifices, by material [M/T]
   double quasi_static_fraction = 0;      ///< grain volume slower than 1e-3 sqrt(g d), over all grain volume
-  double max_speed = 0;                  ///< of grains [L/T]
+  double ill_posed_fraction =
+      0;                 ///< grain cells where mu(I) is ill-posed (field well_posed), over all grain cells
+  double max_speed = 0;  ///< of grains [L/T]
   double wall_seconds = 0;
 };
 
@@ -96,7 +99,8 @@ class Simulation {
   /// Grains through each orifice since the start, outward positive, integrated at the faces [M].
   const std::vector<double>& orifice_mass() const;
   /// Derived cell fields by the names of `output.fields`: speed, velocity_x, velocity_y, pressure, grains,
-  /// tracer, viscosity, shear_rate, inertial_number. Unknown name: std::invalid_argument.
+  /// tracer, viscosity, shear_rate, inertial_number, well_posed; with their modules fluidity, fluidity_ratio, packing,
+  /// dilation. Unknown name: std::invalid_argument.
   CellField derived(const std::string& name) const;
   std::vector<std::pair<std::string, std::size_t>> memory() const;  ///< bytes by array group
 
@@ -114,8 +118,12 @@ struct FieldInfo {
   const char* name;
   const char* dimension;  ///< of "L", "T", "M": e.g. "L/T"
   const char* label;
-  bool logarithmic;  ///< pictures use a log colour scale
+  bool logarithmic;              ///< pictures use a log colour scale
+  const char* module = nullptr;  ///< the block under physics: that makes it; nullptr: always there
 };
 const std::vector<FieldInfo>& known_fields();
+
+/// Whether a scene has the block of this name under physics: ("nonlocal", "dilatancy", "wall_friction").
+bool has_module(const Scene& scene, const std::string& module);
 
 }  // namespace hourglass

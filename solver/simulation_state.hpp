@@ -18,7 +18,8 @@ int threads_of(const Scene& scene);
 struct Simulation::Impl {
   explicit Impl(const Scene& s)
       : scene(s), boundary(boundary_of(scene)), threads(threads_of(scene)),
-        fields(scene.patch(), static_cast<int>(scene.materials.size())),
+        fields(scene.patch(), static_cast<int>(scene.materials.size()), scene.nonlocal.has_value(),
+               scene.dilatancy.has_value()),
         stepper(make_stepper(scene, boundary, threads)),
         governor(threads), rows{RowSums(fields.p.ny()), RowSums(fields.p.ny())},
         orifice_mass(scene.orifices.size()), orifice_material(scene.materials.size()) {}
@@ -36,6 +37,7 @@ struct Simulation::Impl {
   std::vector<double> orifice_mass;      // by orifice, all materials
   std::vector<double> orifice_material;  // by material, all orifices
   double other_mass = 0;                 // through open sides
+  double lost_volume = 0;                // through all of them, times the density: what mode weight conserves
 
   void fill();
   void account();

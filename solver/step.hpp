@@ -28,6 +28,9 @@ class Stepper {
   virtual SolveStats project(Fields& fields, double dt) = 0;
 
   virtual const Vof& vof() const = 0;
+  /// What the last step carried through faces at the density of a full cell, by phase: volumes, or with dilatancy these
+  /// times phi / phi_max [cell areas].
+  virtual PhaseFlux mass_flux() const = 0;
   virtual const RheologyStage& rheology() const = 0;
   virtual const CellField& viscosity() const = 0;
   virtual std::vector<std::pair<std::string, std::size_t>> memory() const = 0;

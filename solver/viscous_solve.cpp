@@ -1,12 +1,14 @@
 #include "solver/viscous_solve.hpp"
 
+#include <utility>
+
 #include "kernels/rheology.hpp"
 
 namespace hourglass {
 
 template <class T>
 void ViscousSolve<T>::assemble(Team& team, const CellField& eta, bool harmonic, const CellField& density,
-                               double dt) {
+                               double dt, const WallDrag& drag, const Velocity& u, Velocity& star) {
   ViscousLevel<T>& level = multigrid_.finest();
   auto& a = level.a;
   const int nx = eta.nx(), ny = eta.ny();
@@ -34,12 +36,55 @@ void ViscousSolve<T>::assemble(Team& team, const CellField& eta, bool harmonic, 
 #pragma omp simd
     for (int i = 0; i < nx; ++i) m[i] = static_cast<T>(share * scale * (below[i] + above[i]));
   }
+  if (drag.force) add_drag(rows, drag, u, star);
   team.sync();
   for (int j = rows.begin; j < rows.end; ++j)
     corner_viscosity_row(a.eta_c, level.boundary(), harmonic, j, a.eta_n);
   team.sync();
   level.finish(team);
   multigrid_.coarsen(team);
+}
+
+/// On a face mass u* + k u_wall = (mass + k) u*' with k = h^2 F P c / speed, on the same share of a control volume.
+template <class T>
+void ViscousSolve<T>::add_drag(Rows rows, const WallDrag& drag, const Velocity& u, Velocity& star) {
+  auto& mass = multigrid_.finest().a.mass;
+  const CellField& force = *drag.force;
+  const int nx = force.nx(), ny = force.ny();
+  const double h2 = force.patch().h * force.patch().h, floor2 = drag.speed_floor * drag.speed_floor;
+  const bool periodic = multigrid_.finest().boundary().periodic_x;
+  const auto [u_wall, v_wall] = drag.wall_velocity;
+  double added = 0;
+  const auto press = [&](T& m, double& velocity, double wall, double k) {
+    added += k;
+    const double before = m, total = before + k;
+    velocity = (before * velocity + k * wall) / total;
+    m = static_cast<T>(total);
+  };
+  for (int j = rows.begin; j < rows.end; ++j) {
+    const double* f = force.row(std::min(j, ny - 1));
+    const double *vs = u.v.row(j), *us = u.u.row(j - 1), *uc = u.u.row(j);
+    if (j < ny) {
+      const double* vn = u.v.row(j + 1);
+      for (int i = 0; i <= nx; ++i) {
+        const double right = i < nx || periodic ? f[i] : 0, left = i > 0 || periodic ? f[i - 1] : 0;
+        const double across = 0.25 * ((vs[i - 1] + vs[i]) + (vn[i - 1] + vn[i])) - v_wall,
+                     along = uc[i] - u_wall;
+        const double speed = std::sqrt(std::max(along * along + across * across, floor2));
+        press(mass.u(i, j), star.u(i, j), u_wall, 0.5 * h2 * (left + right) / speed);
+      }
+      drag_[2 * j] = std::exchange(added, 0);
+    }
+    const double *above = force.row(j), *below = force.row(j - 1);
+    for (int i = 0; i < nx; ++i) {
+      const double both = (j < ny ? above[i] : 0) + (j > 0 ? below[i] : 0);
+      const double across = 0.25 * ((us[i] + us[i + 1]) + (uc[i] + uc[i + 1])) - u_wall,
+                   along = vs[i] - v_wall;
+      const double speed = std::sqrt(std::max(along * along + across * across, floor2));
+      press(mass.v(i, j), star.v(i, j), v_wall, 0.5 * h2 * both / speed);
+    }
+    drag_[j < ny ? 2 * j + 1 : 2 * j] = std::exchange(added, 0);
+  }
 }
 
 template <class T>
@@ -60,7 +105,7 @@ SolveStats ViscousSolve<T>::solve(Team& team, Velocity& star, Velocity& x, doubl
       e += mass * (speed * speed + gravity_speed * gravity_speed);
       b.data[i] = mass * speed;
     }
-    energy_[k] = e;
+    energy_[k] = e - drag_[k] * gravity_speed * gravity_speed;
   }
   team.sync();
   const double scale = std::sqrt(energy_.sum());

@@ -6,14 +6,31 @@
 
 namespace hourglass {
 
+/// Friction of a front and a back wall as an implicit drag (docs/physics.md, Wall friction): a force F P c against the
+/// motion relative to them, F P c / max(speed, floor) times the velocity.
+struct WallDrag {
+  const CellField* force = nullptr;  ///< F P c, wrapped where periodic [M/(L T^2)]; nullptr: no friction
+  std::array<double, 2> wall_velocity{0, 0};  ///< [L/T]
+  double speed_floor = 0;                     ///< [L/T]
+};
+
 template <class T>
 class ViscousSolve {
  public:
   ViscousSolve(const Patch& patch, const Boundary& boundary)
-      : multigrid_(patch, boundary, 1), krylov_(patch), energy_(2 * patch.ny + 1) {}
+      : multigrid_(patch, boundary, 1), krylov_(patch), energy_(2 * patch.ny + 1), drag_(2 * patch.ny + 1) {}
 
   /// Coefficients of all levels. in: eta in cells [M/T], density halo 2 [M/L^2]. Synced on return.
-  void assemble(Team& team, const CellField& eta, bool harmonic_corners, const CellField& density, double dt);
+  void assemble(Team& team, const CellField& eta, bool harmonic_corners, const CellField& density,
+                double dt) {
+    const Velocity unread;
+    Velocity unused;
+    assemble(team, eta, harmonic_corners, density, dt, {}, unread, unused);
+  }
+  /// The same with a drag at the speeds of u, halos filled. inout: star takes the mean of u* and the walls' velocity that
+  /// the drag asks for.
+  void assemble(Team& team, const CellField& eta, bool harmonic_corners, const CellField& density, double dt,
+                const WallDrag& drag, const Velocity& u, Velocity& star);
 
   /// in: star = u*, halo unread; guess in x, 0 on fixed faces. out: x; star is overwritten by the right-hand
   /// side. tolerance: energy norm of the error over that of the flow; gravity_speed = |g| dt keeps the scale
@@ -25,9 +42,12 @@ class ViscousSolve {
   std::size_t bytes() const { return multigrid_.bytes() + krylov_.bytes(); }
 
  private:
+  void add_drag(Rows rows, const WallDrag& drag, const Velocity& u, Velocity& star);
+
   Multigrid<ViscousLevel<T>> multigrid_;
   Krylov<ViscousLevel<T>> krylov_;
   RowSums energy_;  // by row of the unknown
+  RowSums drag_;    // what it added to the mass, by row of the unknown: no scale of the flow's energy
 };
 
 }  // namespace hourglass

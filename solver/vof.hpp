@@ -13,6 +13,12 @@ struct VofBoundary {
   // Every other side lets out what flows out and lets in air; a wall is a side whose velocity is zero.
 };
 
+/// What went through all faces in a step, by phase: all grains, then materials 1, 2, ... [cell areas].
+struct PhaseFlux {
+  std::span<const XFaceField> x;
+  std::span<const YFaceField> y;
+};
+
 class Vof {
  public:
   /// Allocates all scratch. `materials` counts material 0, the rest of the grains that no tracer fills.
@@ -29,6 +35,8 @@ class Vof {
   /// grains(n) less what leaves through the four faces, to rounding and to wisps of 1e-12 in each sweep.
   const XFaceField& flux_x(int k) const { return flux_x_[k]; }
   const YFaceField& flux_y(int k) const { return flux_y_[k]; }
+
+  PhaseFlux flux() const { return {flux_x_, flux_y_}; }
 
   /// Volume found outside [0, 1], or a tracer's outside of the grains, since the start [cell areas]; and how
   /// much of it found no room within two cells and was lost.

@@ -89,10 +89,10 @@ TEST_CASE("a run leaves scene, series, fields, snapshots, summary and log", "[io
   CHECK(series.at(0) ==
         "t,step,dt,mass,outflow,outflow_0,outflow_1,sand_mass,sand_outflow,\"dyed, fine_mass\",\"dyed, "
         "fine_outflow\",quasi_static_fraction,max_speed,iterations_pressure,iterations_viscous,"
-        "iterations_fluidity,max_divergence,capped_cells,wall_seconds,dt_limit");
+        "iterations_fluidity,max_divergence,capped_cells,wall_seconds,dt_limit,ill_posed_fraction");
   CHECK(series.size() >= 6);
   CHECK(series.at(1).rfind("0,0,0,780,", 0) == 0);  // 30 x 26
-  CHECK(std::count(series.at(2).begin(), series.at(2).end(), ',') == 19);
+  CHECK(std::count(series.at(2).begin(), series.at(2).end(), ',') == 20);
 
   const FieldReader reader(folder.path);
   CHECK(reader.info().name == "small");

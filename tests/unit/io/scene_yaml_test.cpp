@@ -148,6 +148,7 @@ TEST_CASE("reference.yaml and docs/scene.md name every key") {
   std::set<std::string> documented;
   for (std::string line; std::getline(file, line);)
     if (line.starts_with("| `")) documented.insert(line.substr(3, line.find('`', 3) - 3));
+  known.insert({"physics.wall_friction.mu_w", "physics.wall_friction.gap"});  // instead of F
   CHECK(documented == known);
 }
 
@@ -191,9 +192,11 @@ TEST_CASE("words of accuracy") {
   const auto with = [&](const std::string& word) {
     return load_scene(file.path(), {"accuracy=" + word}).scene.accuracy;
   };
-  CHECK(with("fast") == Accuracy{.viscous_tolerance = 1e-2, .pressure_tolerance = 1e-5});
+  CHECK(with("fast") ==
+        Accuracy{.viscous_tolerance = 1e-2, .pressure_tolerance = 1e-5, .fluidity_tolerance = 3e-2});
   CHECK(with("balanced") == Accuracy{});
-  CHECK(with("accurate") == Accuracy{.viscous_tolerance = 1e-4, .pressure_tolerance = 1e-8});
+  CHECK(with("accurate") ==
+        Accuracy{.viscous_tolerance = 1e-4, .pressure_tolerance = 1e-8, .fluidity_tolerance = 1e-4});
   CHECK(with("{precision: full}") == Accuracy{.precision = Precision::full});
   expect(11, "accuracy: fst",
          {"bad.yaml:11 accuracy:", "'fst'", "fast, balanced, accurate", "Did you mean 'fast'?"});
@@ -207,14 +210,14 @@ TEST_CASE("a word of accuracy may be changed in part") {
     CHECK(loaded.ok());
     return loaded.scene.accuracy;
   };
-  const Accuracy fast_in_double{1e-2, 1e-5, 200, Precision::full};
+  const Accuracy fast_in_double{1e-2, 1e-5, 3e-2, 200, Precision::full};
   CHECK(with({"accuracy.precision=full"}) == fast_in_double);
   CHECK(with({"accuracy={precision: full, preset: fast}"}) == fast_in_double);
   CHECK(with({"accuracy=balanced", "accuracy.precision=full"}) == Accuracy{.precision = Precision::full});
   CHECK(with({"accuracy.precision=full", "accuracy=accurate"}) ==
-        Accuracy{.viscous_tolerance = 1e-4, .pressure_tolerance = 1e-8});
+        Accuracy{.viscous_tolerance = 1e-4, .pressure_tolerance = 1e-8, .fluidity_tolerance = 1e-4});
   CHECK(with({"accuracy.precision=full", "accuracy.preset=accurate"}) ==
-        Accuracy{1e-4, 1e-8, 200, Precision::full});
+        Accuracy{1e-4, 1e-8, 1e-4, 200, Precision::full});
   CHECK_THAT(messages(load_scene(file.path(), {"accuracy.precison=full"})),
              Catch::Contains("--set accuracy.precison=full accuracy.precison: unknown key. Did you mean"));
 }
@@ -313,12 +316,39 @@ TEST_CASE("keys given twice") {
          {"materials.sand"});
 }
 
+TEST_CASE("modules are on when they are named, with their defaults, and written when they are on") {
+  const auto with = [](const std::vector<std::string>& overrides) {
+    const File file(sound_with(11, ""));
+    const Loaded loaded = load_scene(file.path(), overrides);
+    INFO(messages(loaded));
+    CHECK(loaded.ok());
+    const File written(to_yaml(loaded.scene));
+    const Loaded again = load_scene(written.path());
+    INFO(messages(again));
+    CHECK(again.scene == loaded.scene);
+    return loaded.scene;
+  };
+  const Scene plain = with({});
+  CHECK_FALSE(plain.nonlocal);
+  CHECK_FALSE(plain.dilatancy);
+  CHECK_FALSE(plain.wall_friction);
+  CHECK_THAT(to_yaml(plain), !Catch::Contains("nonlocal") && !Catch::Contains("dilatancy"));
+  CHECK(with({"physics={nonlocal: }"}).nonlocal == Nonlocal{});
+  CHECK(with({"physics.nonlocal={A: 2, closure: kamrin, walls: no_flux}"}).nonlocal ==
+        Nonlocal{2, Closure::kamrin, FluidityWall::no_flux});
+  CHECK(with({"physics.dilatancy.mode=relax"}).dilatancy->mode == DilatancyMode::relax);
+  CHECK(with({"physics.wall_friction={mu_w: 0.4, gap: 8}"}).wall_friction->strength() == Approx(0.1));
+  const Scene own = with({"physics.nonlocal.A=0.5", "materials.sand.A=0.25"});
+  CHECK(own.materials[0].A == 0.25);
+  expect(11, "physics: {wall_friction: {}}",
+         {"bad.yaml:11 physics.wall_friction: its strength is to be given once"});
+  expect(11, "physics: {wall_friction: {F: 1, gap: 2}}", {"physics.wall_friction: its strength"});
+  expect(11, "physics: {dilatancy: {phi_min: 0.7}}", {"physics.dilatancy.phi_min: 0.7 is out of range"});
+}
+
 TEST_CASE("what this version does not model is refused, never ignored") {
-  for (const char* line :
-       {"inserts: [{shape: circle, diameter: 5}]", "feed: {}", "hopper: {angle: 30}",
-        "physics: {nonlocal: {A: 0.5}}", "physics: {dilatancy: {phi_g: 0.2}}",
-        "physics: {wall_friction: {F: 0.0167}}", "physics: {rheology: {law: mu_I_regularised}}",
-        "air: {model: none}", "model: kinematic", "model: stochastic", "model: radial"})
+  for (const char* line : {"inserts: [{shape: circle, diameter: 5}]", "feed: {}", "hopper: {angle: 30}",
+                           "air: {model: none}", "model: kinematic", "model: stochastic", "model: radial"})
     expect(11, line, {"bad.yaml:11 ", "not modelled by this version; remove it"});
   expect(2, "domain: {width: 150, height: 150, symmetry: mirror}",
          {"domain.symmetry: 'mirror' is not modelled by this version"});
@@ -365,7 +395,7 @@ TEST_CASE("overrides") {
   expect_set("time.endd=3", {" time.endd: unknown key. Did you mean 'end'?"});
   expect_set("grid.cells_x=150", {" grid.cells_x: 150 x 150"});
   expect_set("grid.cells_x=many", {" grid.cells_x: found the text 'many' (expected a whole number)"});
-  expect_set("physics.nonlocal.A=0.5", {" physics.nonlocal: is not modelled by this version"});
+  expect_set("physics.nonlocal.A=-1", {" physics.nonlocal.A: -1 is out of range"});
   expect_set("name.x=1", {" name.x: unknown key: name is the text 'test', which has no keys below it"});
   expect_set("fill.7.material=air", {" fill.7.material: unknown key: fill is a list of 1"});
   expect_set("orifices.first.width=9", {"unknown key: orifices is a list of 1; name an item by its number"});

@@ -45,8 +45,7 @@ TEST_CASE("granular viscosity is mu(I) P / |γ̇|") {
   for (const Grain& g : {medium, low, smooth_beads, Grain{0.5, 0.3, 0.3, 1e-3, 1500}})
     for (int k = 0; k < 50; ++k) {
       const double rate = noise.logarithmic(1e-8, 1e3), pressure = noise.logarithmic(1e-6, 1e4);
-      const double eta =
-          granular_viscosity(rate, pressure, g.mu_s, g.delta_mu, g.I_0, g.diameter * std::sqrt(g.density));
+      const double eta = granular_viscosity(rate, pressure, g);
       CHECK(eta == Approx(mu_of_I(inertial_number(rate, pressure, g), g) * pressure / rate).epsilon(1e-12));
     }
 }
@@ -62,26 +61,71 @@ TEST_CASE("cell viscosity: between its limits, and at them for the stated reason
   CHECK(viscosity(4, -2, 1, medium, raised) == Approx(viscosity(4, 3, 1, medium)));  // background pressure
 }
 
-TEST_CASE("several materials: equal ones are one, and shares take linear means") {
+TEST_CASE("several materials: shares take linear means, and air takes no part in them") {
+  const std::vector<double> grains{1, 1, 0.5, 0, 1}, first{0, 0.25, 0.25, 0, 0.7},
+      second{1, 0.25, 0, 0, 0.3000001};
+  const int n = 5;
+  std::vector<double> share_1(n), share_2(n), mean(n),
+      expected{7, 0.5 * 2 + 0.25 * 3 + 0.25 * 7, 2.5, 2, 3 * 0.7 + 7 * 0.3};
+  share_row(first.data(), grains.data(), n, share_1.data());
+  share_row(second.data(), grains.data(), n, share_2.data());
+  const double* shares[] = {share_1.data(), share_2.data()};
+  const double values[] = {2, 3, 7};
+  blend_row(values, shares, n, mean.data());
+  for (int i = 0; i < n; ++i) CHECK(mean[i] == Approx(expected[i]).epsilon(1e-6));
+}
+
+TEST_CASE("viscosity rows: one law by three ways") {
   Noise noise;
   const int n = 40;
-  std::vector<double> gamma2(n), p(n), grains(n), tracer(n), one(n), many(n);
+  std::vector<double> gamma2(n), p(n), grains(n), I(n), mu(n), g(n), one(n), rows(n), by_mu(n), by_g(n),
+      ds(n);
+  std::vector<double> mu_s(n, medium.mu_s), delta_mu(n, medium.delta_mu), I_0(n, medium.I_0),
+      cohesion(n, 0.3);
+  std::fill(ds.begin(), ds.end(), medium.diameter * std::sqrt(medium.density));
   for (int i = 0; i < n; ++i) {
     gamma2[i] = noise.logarithmic(1e-6, 10);
     p[i] = noise(-1, 50);
     grains[i] = i % 5 == 0 ? 0 : i % 3 == 0 ? noise(0, 1) : 1;
-    tracer[i] = grains[i] * noise(0, 1);
   }
-  granular_viscosity_row(gamma2.data(), p.data(), grains.data(), n, medium, limits, one.data());
-  blended_viscosity_row(gamma2.data(), p.data(), grains.data(), {tracer.data()}, n, {medium, medium}, limits,
-                        many.data());
-  for (int i = 0; i < n; ++i) CHECK(many[i] == Approx(one[i]).epsilon(1e-12));
+  Grain sticky = medium;
+  sticky.cohesion = 0.3;
+  const GrainRows properties{mu_s.data(), delta_mu.data(), I_0.data(), ds.data(), cohesion.data()};
+  granular_viscosity_row(gamma2.data(), p.data(), grains.data(), n, sticky, limits, one.data());
+  granular_viscosity_row(gamma2.data(), p.data(), grains.data(), n, properties, limits, rows.data());
+  friction_row(gamma2.data(), p.data(), n, properties, limits, I.data(), mu.data());
+  viscosity_of_friction_row(gamma2.data(), p.data(), grains.data(), n, mu.data(), cohesion.data(), limits,
+                            by_mu.data());
+  for (int i = 0; i < n; ++i) g[i] = std::sqrt(gamma2[i]) / mu[i];  // the local fluidity
+  viscosity_of_fluidity_row(g.data(), gamma2.data(), p.data(), grains.data(), n, cohesion.data(), limits,
+                            by_g.data());
+  for (int i = 0; i < n; ++i) {
+    CHECK(rows[i] == Approx(one[i]).epsilon(1e-12));
+    CHECK(by_mu[i] == Approx(one[i]).epsilon(1e-12));
+    CHECK(by_g[i] == Approx(one[i]).epsilon(1e-12));
+  }
+}
 
-  const double rate2 = 0.25, pressure = 7, full = 1, third = 1.0 / 3;
-  double blended = 0;
-  blended_viscosity_row(&rate2, &pressure, &full, {&third}, 1, {medium, low}, limits, &blended);
-  const Grain mean{(2 * 0.62 + 0.47) / 3, (2 * 0.48 + 0.38) / 3, 0.6, 1, 1};
-  CHECK(blended == Approx(viscosity(rate2, pressure, 1, mean)).epsilon(1e-12));
+TEST_CASE("cohesion: a yield stress that pressure does not need") {
+  Grain sticky = medium;
+  sticky.cohesion = 2;
+  CHECK(viscosity(4, 0, 1, sticky) == Approx(1));  // cohesion / |γ̇|
+  CHECK(viscosity(0.01, 0, 1, sticky) == Approx(20));
+  CHECK(viscosity(4, 3, 1, sticky) == Approx(viscosity(4, 3, 1, medium) + 1));
+  CHECK(viscosity(0, 0, 1, sticky) == limits.eta_max);
+}
+
+TEST_CASE("smooth cap: eta_max at rest, the law far from it, a smooth way between") {
+  for (const double rate : {0.0, 1e-6, 1e-4, 1e-2, 1.0}) {
+    const double gamma2 = rate * rate, p = 30, mu_s = medium.mu_s;
+    double capped = 0;
+    smooth_cap_row(&gamma2, &p, &mu_s, 1, limits, &capped);
+    const double slowest = medium.mu_s * 30 / limits.eta_max;
+    CHECK(capped == Approx(gamma2 + slowest * slowest));
+    if (rate == 0) CHECK(viscosity(capped, p, 1, medium) == Approx(limits.eta_max).epsilon(1e-3));
+    if (rate == 1)
+      CHECK(viscosity(capped, p, 1, medium) == Approx(viscosity(gamma2, p, 1, medium)).epsilon(1e-8));
+  }
 }
 
 TEST_CASE("corner viscosity: harmonic and arithmetic means, weights of walls, wrapped where periodic") {

@@ -1,0 +1,114 @@
+#pragma once
+// Granular fluidity of physics.nonlocal: one linear solve a step (kernels/fluidity.hpp), coefficients from the step before.
+#include <memory>
+
+#include "kernels/fluidity.hpp"
+#include "solver/grain_properties.hpp"
+#include "solver/krylov.hpp"
+#include "solver/levels.hpp"
+
+namespace hourglass {
+
+class FluidityStage {
+ public:
+  virtual ~FluidityStage() = default;
+
+  /// Coefficients of row j. in: |γ̇|^2, P, I and mu(I) along it, its properties. No two members set one row.
+  virtual void set_row(const Fields& fields, int j, const double* gamma2, const double* pressure,
+                       const double* I, const double* mu, GrainProperties::Rows& properties) = 0;
+  /// fields.fluidity, in [P/eta_max, ...] where there are grains, else 0. Rows must be set and synced; synced on return.
+  virtual SolveStats solve(Team& team, Fields& fields) = 0;
+  virtual std::size_t bytes() const = 0;
+};
+
+template <class T>
+class Fluidity final : public FluidityStage {
+ public:
+  Fluidity(const Scene& scene, const Patch& patch, const Boundary& boundary)
+      : closure_(scene.nonlocal->closure), zero_at_walls_(scene.nonlocal->walls == FluidityWall::zero),
+        eta_max_(scene.rheology.eta_max), tolerance_(scene.accuracy.fluidity_tolerance),
+        max_iterations_(scene.accuracy.max_iterations), multigrid_(patch, boundary, 2), krylov_(patch),
+        source_(patch), least_(patch) {}
+
+  void set_row(const Fields& fields, int j, const double* gamma2, const double* pressure, const double* I,
+               const double* mu, GrainProperties::Rows& properties) override {
+    PoissonCoefficients<T>& a = multigrid_.finest().a;
+    const int nx = source_.nx();
+    double* absorption = properties.scratch(7);
+    const FluidityRow row{gamma2,
+                          pressure,
+                          fields.grains.row(j),
+                          fields.fluidity.row(j),
+                          properties[GrainProperties::A_d],
+                          absorption,
+                          source_.row(j),
+                          least_.row(j)};
+    const double h = source_.patch().h;
+    if (closure_ == Closure::thesis) {
+      fluidity_row_thesis(row, I, mu, properties.law(), nx, h, eta_max_);
+    } else {
+      fluidity_row_kamrin(row, properties.law(), nx, h, eta_max_);
+    }
+    T* __restrict out = a.absorption.row(j);
+#pragma omp simd
+    for (int i = 0; i < nx; ++i) out[i] = static_cast<T>(absorption[i]);
+  }
+
+  SolveStats solve(Team& team, Fields& fields) override {
+    HelmholtzLevel<T>& level = multigrid_.finest();
+    CellField& g = fields.fluidity;
+    const int nx = g.nx(), ny = g.ny();
+    const bool periodic = level.boundary().periodic_x;
+    const Rows rows = team.rows(ny);
+    bound(fields, rows, [&](int j, int i) {  // the first guess, and where grains are new
+      const double kappa = level.a.absorption(i, j);
+      return !started_ && kappa > 0 ? source_(i, j) / kappa : g(i, j);
+    });
+    for (int j = rows.begin; j < rows.end && periodic; ++j) wrap_row(g.row(j), nx);
+    const Rows faces = team.rows(ny + 1);
+    for (int j = faces.begin; j < faces.end; ++j)
+      fluidity_faces_row(fields.grains, level.boundary(), zero_at_walls_, j, level.a.beta);
+    team.sync();
+    if (team.leads()) started_ = true;
+    level.finish(team);
+    multigrid_.coarsen(team);
+    const SolveStats stats = krylov_.solve(team, multigrid_, source_, g,
+                                           {Measure::relative, tolerance_, max_iterations_}, &least_);
+    bound(fields, rows, [&](int j, int i) { return g(i, j); });
+    for (int j = rows.begin; j < rows.end && periodic; ++j) wrap_row(g.row(j), nx);
+    team.sync();
+    return stats;
+  }
+
+  std::size_t bytes() const override {
+    return multigrid_.bytes() + krylov_.bytes() + source_.bytes() + least_.bytes();
+  }
+
+ private:
+  /// g = max(value, least) where there are grains, else 0.
+  template <class Value>
+  void bound(Fields& fields, Rows rows, Value value) {
+    CellField& g = fields.fluidity;
+    for (int j = rows.begin; j < rows.end; ++j)
+      for (int i = 0; i < g.nx(); ++i)
+        g(i, j) = fields.grains(i, j) > least_grains ? std::max(value(j, i), least_(i, j)) : 0.0;
+  }
+
+  Closure closure_;
+  bool zero_at_walls_, started_ = false;
+  double eta_max_, tolerance_;
+  int max_iterations_;
+  Multigrid<HelmholtzLevel<T>> multigrid_;
+  Krylov<HelmholtzLevel<T>> krylov_;
+  CellField source_;  ///< kappa g_local [1/T]
+  CellField least_;   ///< P/eta_max [1/T]
+};
+
+/// nullptr if the scene names no nonlocal fluidity.
+template <class T>
+std::unique_ptr<FluidityStage> make_fluidity(const Scene& scene, const Patch& patch,
+                                             const Boundary& boundary) {
+  return scene.nonlocal ? std::make_unique<Fluidity<T>>(scene, patch, boundary) : nullptr;
+}
+
+}  // namespace hourglass
