@@ -127,8 +127,8 @@ TEST_CASE("ranges of single values") {
       {"physics.dilatancy.phi_max", [](Scene& s) { s.dilatancy = Dilatancy{.phi_max = 1.1}; }, "at most 1"},
       {"physics.wall_friction", [](Scene& s) { s.wall_friction = WallFriction{}; }, "given once"},
       {"physics.wall_friction.F", [](Scene& s) { s.wall_friction = WallFriction{.F = -1}; }, "must be >= 0"},
-      {"materials.sand.cohesion", [](Scene& s) { s.materials[0].cohesion = -1; }, "must be >= 0"},
-      {"materials.sand",
+      {"materials.beads.cohesion", [](Scene& s) { s.materials[0].cohesion = -1; }, "must be >= 0"},
+      {"materials.beads",
        [](Scene& s) {
          s.rheology.law = Law::mu_I_regularised;
          s.materials[0].mu_s = 0.62;
