@@ -442,7 +442,7 @@ void check_numerics(const Scene& s, Problems& p) {
   p.require(a.splitting.rotational >= 0 && a.splitting.rotational < 2, "accuracy.splitting.rotational",
             a.splitting.rotational, "at least 0, below 2", "1 is the usual form.");
   p.require(a.viscous_tolerance > 0 && a.viscous_tolerance < 1, "accuracy.viscous_tolerance",
-            a.viscous_tolerance, "above 0, below 1", "5e-3 is balanced.");
+            a.viscous_tolerance, "above 0, below 1", "1e-3 is balanced.");
   p.require(a.pressure_tolerance > 0 && a.pressure_tolerance < 1, "accuracy.pressure_tolerance",
             a.pressure_tolerance, "above 0, below 1", "3e-6 is balanced.");
   p.require(a.max_iterations >= 1, "accuracy.max_iterations", a.max_iterations, ">= 1");

@@ -153,13 +153,13 @@ struct Stop {
 struct Splitting {
   int outer = 1;          ///< rounds of viscous solve and projection a step
   int picard = 1;         ///< viscous solves a round, each with the viscosity of the velocity before
-  double rotational = 0;  ///< omega in p += δp - omega eta div u** [1] in [0, 2)
+  double rotational = 1;  ///< omega in p += δp - omega eta div u** [1] in [0, 2): docs/theory.md, Splitting
   bool operator==(const Splitting&) const = default;
 };
 
 /// The levers that trade speed for accuracy; `accuracy:` in a scene file.
 struct Accuracy {
-  double viscous_tolerance = 5e-3;   ///< energy norm of the error over that of the flow
+  double viscous_tolerance = 1e-3;   ///< energy norm of the error over that of the flow
   double pressure_tolerance = 3e-6;  ///< max |div u| dt
   double fluidity_tolerance = 1e-2;  ///< error of the granular fluidity over its own size, everywhere
   int max_iterations = 200;
