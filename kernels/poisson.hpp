@@ -9,6 +9,7 @@
 #include <algorithm>
 
 #include "kernels/boundary.hpp"
+#include "kernels/modules.hpp"
 #include "kernels/team.hpp"
 #include "kernels/velocity.hpp"
 
@@ -66,7 +67,7 @@ void apply_poisson_row(const PoissonCoefficients<T>& a, const CellFieldOf<X>& x,
   const int n = x.nx();
 #pragma omp simd
   for (int i = 0; i < n; ++i) out[i] = row.outflow(i);
-  if (a.absorption.allocated()) {
+  if (with_modules && a.absorption.allocated()) {
     const T* __restrict kappa = a.absorption.row(j);
 #pragma omp simd
     for (int i = 0; i < n; ++i) out[i] += X(kappa[i]) * row.q[i];
@@ -82,7 +83,7 @@ void residual_poisson_row(const PoissonCoefficients<T>& a, const CellFieldOf<X>&
   const int n = x.nx();
 #pragma omp simd
   for (int i = 0; i < n; ++i) out[i] = rhs[i] - row.outflow(i);
-  if (a.absorption.allocated()) {
+  if (with_modules && a.absorption.allocated()) {
     const T* __restrict kappa = a.absorption.row(j);
 #pragma omp simd
     for (int i = 0; i < n; ++i) out[i] -= X(kappa[i]) * row.q[i];
@@ -96,7 +97,7 @@ void fill_inverse_diagonal(Team& team, PoissonCoefficients<T>& a) {
     const T *bx = a.beta.u.row(j), *bs = a.beta.v.row(j), *bn = a.beta.v.row(j + 1);
     T* __restrict inv = a.inverse_diagonal.row(j);
     const int n = a.inverse_diagonal.nx();
-    const T* kappa = a.absorption.allocated() ? a.absorption.row(j) : nullptr;
+    const T* kappa = with_modules && a.absorption.allocated() ? a.absorption.row(j) : nullptr;
     for (int i = 0; i < n; ++i) {
       const T diagonal = (bx[i + 1] + bx[i]) + (bn[i] + bs[i]) + (kappa ? kappa[i] : T(0));
       inv[i] = diagonal > T(0) ? T(1) / diagonal : T(0);
@@ -116,7 +117,7 @@ void coarsen_poisson(Team& team, const PoissonCoefficients<T>& fine, PoissonCoef
       const T *b0 = fine.beta.u.row(2 * j), *b1 = fine.beta.u.row(2 * j + 1);
       T* __restrict out = coarse.beta.u.row(j);
       for (int i = 0; i <= nx; ++i) out[i] = T(0.5) * (b0[2 * i] + b1[2 * i]);
-      if (fine.absorption.allocated()) {  // an integral over the cell
+      if (with_modules && fine.absorption.allocated()) {  // an integral over the cell
         const T *k0 = fine.absorption.row(2 * j), *k1 = fine.absorption.row(2 * j + 1);
         T* __restrict kappa = coarse.absorption.row(j);
         for (int i = 0; i < nx; ++i) kappa[i] = (k0[2 * i] + k0[2 * i + 1]) + (k1[2 * i] + k1[2 * i + 1]);

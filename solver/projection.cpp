@@ -31,7 +31,7 @@ void Projection<T>::assemble(Team& team, const CellField& density, const CellFie
         b[0] = static_cast<T>(2 * boundary.left.open[j] / rho[0]);
         b[nx] = static_cast<T>(2 * boundary.right.open[j] / rho[nx - 1]);
       }
-      if (level.a.absorption.allocated()) {  // compliance δp, δp = q h/dt, for ∇·u h
+      if (with_modules && level.a.absorption.allocated()) {  // compliance δp, δp = q h/dt, for ∇·u h
         T* __restrict kappa = level.a.absorption.row(j);
         const double scale = compliance ? density.patch().h * density.patch().h / dt : 0;
         for (int i = 0; i < nx; ++i) kappa[i] = static_cast<T>(compliance ? scale * (*compliance)(i, j) : 0);
@@ -87,7 +87,7 @@ double Projection<T>::measure_divergence(Team& team, const Velocity& w, const Ce
     const int n = rhs_.nx();
 #pragma omp simd
     for (int i = 0; i < n; ++i) out[i] = -((u[i + 1] - u[i]) + (vn[i] - vs[i]));
-    if (divergence) {
+    if (with_modules && divergence) {
       const double* S = divergence->row(j);
 #pragma omp simd
       for (int i = 0; i < n; ++i) out[i] += h * S[i];

@@ -23,7 +23,7 @@ RheologyStage::RheologyStage(const Scene& scene, const Patch& patch, const Bound
 }
 
 void RheologyStage::shear_rate_row(const Fields& fields, int j, double* out) const {
-  if (deviatoric_) {
+  if (with_modules && deviatoric_) {
     shear_rate_squared_row<true>(fields.u, fields.v, j, out);
   } else {
     shear_rate_squared_row(fields.u, fields.v, j, out);
@@ -158,15 +158,15 @@ RheologyStage::Result RheologyStage::update(Fields& fields, int threads, CellFie
     if (!passes_.empty()) smooth(team, fields, eta);
     for (int j = rows.begin; j < rows.end; ++j) {
       if (!newtonian) finish_shear_rate_row(fields, j);
-      if (general_) {
+      if (with_modules && general_) {
         general_row(fields, j, modules, eta.row(j));
       } else {
         granular_viscosity_row(gamma2_.row(j), fields.p.row(j), fields.grains.row(j), nx, grain, limits_,
                                eta.row(j));
       }
-      if (!newtonian && !modules.fluidity) count_row(fields, j, eta.row(j));
+      if (!newtonian && !(with_modules && modules.fluidity)) count_row(fields, j, eta.row(j));
     }
-    if (!modules.fluidity) return;
+    if (!with_modules || !modules.fluidity) return;
     team.sync();
     const SolveStats stats = modules.fluidity->solve(team, fields);
     if (team.leads()) result.fluidity = stats;

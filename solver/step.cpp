@@ -41,16 +41,17 @@ class StepperOf final : public Stepper {
 
   void step(Fields& fields, double dt, bool x_first, Timers& timers, StepReport& report) override {
     for (int j = 0; boundary_.periodic_x && j < patch_.ny; ++j) wrap_row(fields.p.row(j), patch_.nx);
-    if (dilatancy_) timers.time("dilatancy", [&] { dilatancy_->remember(fields, threads_); });
+    if (with_modules && dilatancy_) timers.time("dilatancy", [&] { dilatancy_->remember(fields, threads_); });
     timers.time("vof", [&] { vof_.advect(fields, dt, x_first, threads_); });
-    if (dilatancy_) timers.time("dilatancy", [&] { dilatancy_->transport(fields, vof_, threads_); });
+    if (with_modules && dilatancy_)
+      timers.time("dilatancy", [&] { dilatancy_->transport(fields, vof_, threads_); });
     timers.time("mass", [&] { transport_mass(fields, dt); });
     const Splitting& splitting = scene_.accuracy.splitting;
     for (int outer = 0; outer < splitting.outer; ++outer) {
       for (int picard = 0; picard < splitting.picard; ++picard) {
         const bool first = outer + picard == 0;
         if (!first) fill_velocity_halo(boundary_, fields.u, fields.v);
-        timers.time(fluidity_ ? "rheology and fluidity" : "rheology",
+        timers.time(with_modules && fluidity_ ? "rheology and fluidity" : "rheology",
                     [&] { update_viscosity(fields, report); });
         timers.time("momentum", [&] {
           if (first) {
@@ -95,7 +96,9 @@ class StepperOf final : public Stepper {
   }
 
   const Vof& vof() const override { return vof_; }
-  PhaseFlux mass_flux() const override { return dilatancy_ ? dilatancy_->flux() : vof_.flux(); }
+  PhaseFlux mass_flux() const override {
+    return with_modules && dilatancy_ ? dilatancy_->flux() : vof_.flux();
+  }
   const RheologyStage& rheology() const override { return rheology_; }
   const CellField& viscosity() const override { return eta_; }
   std::vector<std::pair<std::string, std::size_t>> memory() const override {
@@ -106,7 +109,7 @@ class StepperOf final : public Stepper {
                                                            {"viscous solve", viscous_.bytes()},
                                                            {"projection", projection_.bytes()}};
     if (fluidity_) table.emplace_back("fluidity", fluidity_->bytes());
-    if (dilatancy_) table.emplace_back("dilatancy", dilatancy_->bytes() + trace_.bytes());
+    if (with_modules && dilatancy_) table.emplace_back("dilatancy", dilatancy_->bytes() + trace_.bytes());
     if (advected_.bytes() > 0) table.emplace_back("splitting", advected_.bytes());
     return table;
   }
@@ -121,7 +124,7 @@ class StepperOf final : public Stepper {
     // rho = air + grains c + Σ excess_k f_k, and so for the fluxes; with dilatancy air (1 - c) + rho_0 s + Σ excess_k s_k,
     // s the volumes at phi_max.
     const PhaseFlux flux = mass_flux(), volume_flux = vof_.flux();
-    const bool dilatant = dilatancy_ != nullptr;
+    const bool dilatant = with_modules && dilatancy_;
     const double solid = scene_.materials[0].density;
     parallel(threads_, [&](Team& team) {
       const Rows rows = team.rows(ny + 1);
@@ -184,7 +187,7 @@ class StepperOf final : public Stepper {
     report.capped_cells = result.limits.capped;
     report.floored_cells = result.limits.floored;
     report.fluidity = result.fluidity;
-    if (!trace_.allocated()) return;
+    if (!with_modules || !trace_.allocated()) return;
     parallel(threads_, [&](Team& team) {
       const Rows rows = team.rows(patch_.ny);
       for (int j = rows.begin; j < rows.end; ++j) {
@@ -209,7 +212,7 @@ class StepperOf final : public Stepper {
   /// star_ = u* once more, with the present pressure.
   void predict_again(const Fields& fields, double dt) {
     parallel(threads_, [&](Team& team) {
-      if (dilatancy_) projection_.assemble(team, mass_.density, dilatancy_->compliance(), dt);
+      if (with_modules && dilatancy_) projection_.assemble(team, mass_.density, dilatancy_->compliance(), dt);
       copy(team, advected_, star_);
       add_forces(team, fields, dt);
     });
@@ -226,7 +229,8 @@ class StepperOf final : public Stepper {
   void add_forces(Team& team, const Fields& fields, double dt) {
     if (advected_.bytes() > 0)
       projection_.add_gravity_and_pressure(team, fields.p, scene_.gravity, dt, star_);
-    if (trace_.allocated()) projection_.add_gravity_and_pressure(team, trace_, {0, 0}, dt, star_);
+    if (with_modules && trace_.allocated())
+      projection_.add_gravity_and_pressure(team, trace_, {0, 0}, dt, star_);
   }
 
   /// The silo thesis's wall friction: u^n less F P Δt/ρ, not below rest. star_ += that change.
@@ -261,7 +265,8 @@ class StepperOf final : public Stepper {
   void predict_momentum(const Fields& fields, double dt) {
     const bool apart = advected_.bytes() > 0;  // forces are added to what is kept
     parallel(threads_, [&](Team& team) {
-      projection_.assemble(team, mass_.density, dilatancy_ ? dilatancy_->compliance() : nullptr, dt);
+      projection_.assemble(team, mass_.density,
+                           with_modules && dilatancy_ ? dilatancy_->compliance() : nullptr, dt);
       const int nx = patch_.nx, ny = patch_.ny;
       const double dt_h = dt / patch_.h;
       constexpr auto size = &MomentumAdvection<At::xface>::scratch_size;
@@ -302,7 +307,9 @@ class StepperOf final : public Stepper {
       add_forces(team, fields, dt);
     });
   }
-  bool limiter() const { return scene_.wall_friction && scene_.wall_friction->mode == FrictionMode::limiter; }
+  bool limiter() const {
+    return with_modules && scene_.wall_friction && scene_.wall_friction->mode == FrictionMode::limiter;
+  }
 
   /// fields: u^n, the first guess, becomes u**.
   SolveStats solve_viscous(Fields& fields, double dt) {
@@ -310,7 +317,7 @@ class StepperOf final : public Stepper {
     const double g = std::hypot(scene_.gravity[0], scene_.gravity[1]);
     parallel(threads_, [&](Team& team) {
       WallDrag drag;
-      if (scene_.wall_friction && !limiter())
+      if (with_modules && scene_.wall_friction && !limiter())
         drag = {&rheology_.wall_force(), scene_.wall_friction->wall_velocity,
                 scene_.wall_friction->speed_floor};
       viscous_.assemble(team, eta_, scene_.rheology.corner_mean == CornerMean::harmonic, mass_.density, dt,
@@ -327,7 +334,7 @@ class StepperOf final : public Stepper {
     SolveStats stats;
     if (scene_.accuracy.splitting.outer > 1) projection_.forget();  // rounds correct different things
     parallel(threads_, [&](Team& team) {
-      const ProjectionModules modules{dilatancy_ ? dilatancy_->divergence() : nullptr, &eta_,
+      const ProjectionModules modules{with_modules && dilatancy_ ? dilatancy_->divergence() : nullptr, &eta_,
                                       scene_.accuracy.splitting.rotational};
       const SolveStats s = projection_.solve(team, dt, scene_.accuracy.pressure_tolerance,
                                              scene_.accuracy.max_iterations, fields, fields.p, modules);

@@ -36,7 +36,7 @@ void ViscousSolve<T>::assemble(Team& team, const CellField& eta, bool harmonic, 
 #pragma omp simd
     for (int i = 0; i < nx; ++i) m[i] = static_cast<T>(share * scale * (below[i] + above[i]));
   }
-  if (drag.force) add_drag(rows, drag, u, star);
+  if (with_modules && drag.force) add_drag(rows, drag, u, star);
   team.sync();
   for (int j = rows.begin; j < rows.end; ++j)
     corner_viscosity_row(a.eta_c, level.boundary(), harmonic, j, a.eta_n);
