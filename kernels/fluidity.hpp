@@ -98,16 +98,15 @@ template <class T>
 void fluidity_faces_row(const CellField& grains, const Boundary& boundary, bool zero_at_walls, int j,
                         VelocityOf<T>& a) {
   const int nx = grains.nx(), ny = grains.ny();
-  const auto least = [](double l, double r) {
-    const double c = std::min(l, r);
-    return c > least_grains ? static_cast<T>(c) : T(0);
-  };
+  const auto some = [](double c) { return static_cast<T>(c) * T(c > least_grains); };
+  const auto least = [&](double l, double r) { return some(std::min(l, r)); };
   const auto at_wall = [&](double c, double open) {
-    return zero_at_walls && !(open > 0) && c > least_grains ? static_cast<T>(2 * c) : T(0);
+    return zero_at_walls && !(open > 0) ? T(2) * some(c) : T(0);
   };
   if (j < ny) {
     const double* c = grains.row(j);
-    T* out = a.u.row(j);
+    T* __restrict out = a.u.row(j);
+#pragma omp simd
     for (int i = 1; i < nx; ++i) out[i] = least(c[i - 1], c[i]);
     if (boundary.periodic_x) {
       out[0] = out[nx] = least(c[nx - 1], c[0]);
@@ -116,9 +115,10 @@ void fluidity_faces_row(const CellField& grains, const Boundary& boundary, bool 
       out[nx] = at_wall(c[nx - 1], boundary.right.open[j]);
     }
   }
-  T* out = a.v.row(j);
+  T* __restrict out = a.v.row(j);
   if (j > 0 && j < ny) {
     const double *below = grains.row(j - 1), *above = grains.row(j);
+#pragma omp simd
     for (int i = 0; i < nx; ++i) out[i] = least(below[i], above[i]);
   } else {
     const SideFaces& side = j == 0 ? boundary.bottom : boundary.top;

@@ -7,6 +7,7 @@
 // with q = 0 beyond every boundary: a wall has beta = 0, an open face 2 / rho (p = 0 half a cell away). A q =
 // b with b the sum of face velocities into the cell, so that u - beta (q_right - q_left) is solenoidal.
 #include <algorithm>
+#include <limits>
 
 #include "kernels/boundary.hpp"
 #include "kernels/modules.hpp"
@@ -97,11 +98,16 @@ void fill_inverse_diagonal(Team& team, PoissonCoefficients<T>& a) {
     const T *bx = a.beta.u.row(j), *bs = a.beta.v.row(j), *bn = a.beta.v.row(j + 1);
     T* __restrict inv = a.inverse_diagonal.row(j);
     const int n = a.inverse_diagonal.nx();
-    const T* kappa = with_modules && a.absorption.allocated() ? a.absorption.row(j) : nullptr;
-    for (int i = 0; i < n; ++i) {
-      const T diagonal = (bx[i + 1] + bx[i]) + (bn[i] + bs[i]) + (kappa ? kappa[i] : T(0));
-      inv[i] = diagonal > T(0) ? T(1) / diagonal : T(0);
+    if (with_modules && a.absorption.allocated()) {
+      const T* __restrict kappa = a.absorption.row(j);
+#pragma omp simd
+      for (int i = 0; i < n; ++i) inv[i] = kappa[i] + ((bx[i + 1] + bx[i]) + (bn[i] + bs[i]));
+    } else {
+#pragma omp simd
+      for (int i = 0; i < n; ++i) inv[i] = (bx[i + 1] + bx[i]) + (bn[i] + bs[i]);
     }
+#pragma omp simd
+    for (int i = 0; i < n; ++i) inv[i] = T(inv[i] > T(0)) / std::max(inv[i], std::numeric_limits<T>::min());
   }
 }
 

@@ -37,7 +37,7 @@ class Chart : public vtkContextItem {
     const ColourScale scale({0, 1}, false, ColourMap::viridis);
     const double bottom = foot, top = height - head;
     const double step = most - least > 300 ? 100 : most - least > 120 ? 50 : 20;
-    for (double tick = std::ceil(least / step) * step; tick <= most; tick += step) {
+    for (double tick = std::ceil(least / step) * step + 0.0; tick <= most; tick += step) {
       line(x(tick), bottom, x(tick), top, tick == 0 ? 40 : 225);
       text(fmt::format("{:.0f}", tick), x(tick), bottom - 12, 1, 2);
     }

@@ -89,9 +89,13 @@ class Fluidity final : public FluidityStage {
   template <class Value>
   void bound(Fields& fields, Rows rows, Value value) {
     CellField& g = fields.fluidity;
-    for (int j = rows.begin; j < rows.end; ++j)
+    for (int j = rows.begin; j < rows.end; ++j) {
+      double* __restrict out = g.row(j);
+      const double *c = fields.grains.row(j), *least = least_.row(j);
+#pragma omp simd
       for (int i = 0; i < g.nx(); ++i)
-        g(i, j) = fields.grains(i, j) > least_grains ? std::max(value(j, i), least_(i, j)) : 0.0;
+        out[i] = static_cast<double>(c[i] > least_grains) * std::max(value(j, i), least[i]);
+    }
   }
 
   Closure closure_;
