@@ -110,7 +110,7 @@ void DilatancyStage::set_row(const Fields& fields, int j, const double* __restri
     const double slip = rate * d_sqrt_rho[i] * phi_g[i] / std::max(phi_max - phi, 1e-12);
     const double rest = slip * slip, apart = std::abs(rest - pressure[i]);
     const double reach = std::min(apart, 2 * pressure[i] + least);
-    softness[i] = std::abs(S[i]) / std::max(reach, 1e-6 * least);
+    softness[i] = std::abs(S[i]) / std::max(reach, 0.1 * least);
   }
 }
 
