@@ -1,0 +1,238 @@
+#include "io/forecast.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+#include "io/frame.hpp"
+#include "io/progress.hpp"
+#include "io/provenance.hpp"
+#include "solver/diagnostics.hpp"
+#include "solver/simulation.hpp"
+#include "solver/timers.hpp"
+
+namespace hourglass {
+namespace {
+
+// Measured with configs/silo.yaml, docs/plan.md:
+constexpr double discharge_constant = 1.1;  ///< discharge rate over rho sqrt(g) W^1.5
+constexpr double row_seconds = 25e-9;       ///< a cell and row of the series, on one thread
+constexpr double frame_seconds = 60e-9;     ///< a cell and stored component, compressed
+constexpr double picture_seconds = 0.15;    ///< each
+
+constexpr long flow_cells = 64 * 64, timed_cells = 128 * 128;
+constexpr double flow_budget = 1, timed_budget = 0.7;  // s
+
+/// What a step costs on a grid with `ratio` times the cells of the one that was timed, over its cost there.
+double growth(double ratio, int threads) { return std::pow(ratio, threads == 1 ? 1.13 : 1.0); }
+
+/// Means over the last half of the samples' time.
+struct Later {
+  FastestCells fastest;
+  double loss = 0;  ///< of grains [M/T]
+};
+
+class Flow {
+ public:
+  Flow(const Scene& scene, const Trial& trial) : samples_(trial.flow) {
+    const FlowSample &first = samples_.front(), &last = samples_.back();
+    double near = 0, air = 0, weight = 0;
+    std::size_t begin = 0;
+    for (std::size_t k = 1; k < samples_.size(); ++k) {
+      if (samples_[k].t < 0.5 * last.t) {
+        begin = k;
+        continue;
+      }
+      const double dt = samples_[k].t - samples_[k - 1].t;
+      near += dt * samples_[k].fastest.near_grains;
+      air += dt * samples_[k].fastest.air;
+      weight += dt;
+    }
+    if (weight > 0) later_.fastest = {near / weight, air / weight};
+    if (last.t > samples_[begin].t)
+      later_.loss = std::max(0.0, samples_[begin].mass - last.mass) / (last.t - samples_[begin].t);
+    // Too early for a discharge of its own: the usual one.
+    if (!scene.orifices.empty() && last.t < 1.5 * start_up_time(scene)) {
+      const double g = std::hypot(scene.gravity[0], scene.gravity[1]);
+      double usual = 0;
+      for (const Orifice& o : scene.orifices)
+        usual += discharge_constant * scene.materials[0].density * std::sqrt(g) * std::pow(o.width, 1.5);
+      later_.loss = first.mass > 0 ? usual : 0;
+    }
+  }
+  bool knows(double t) const { return t <= samples_.back().t; }
+  FastestCells fastest(double t) {
+    if (!knows(t)) return later_.fastest;
+    return sample(t).fastest;
+  }
+  double initial_mass() const { return samples_.front().mass; }
+  /// When the mass falls to this; infinity: never.
+  double time_of_mass(double mass) const {
+    for (const FlowSample& s : samples_)
+      if (s.mass < mass) return s.t;
+    return later_.loss > 0 ? samples_.back().t + (samples_.back().mass - mass) / later_.loss : INFINITY;
+  }
+
+ private:
+  const FlowSample& sample(double t) {  // t only grows
+    while (at_ + 1 < samples_.size() && samples_[at_ + 1].t <= t) ++at_;
+    return samples_[at_];
+  }
+  const std::vector<FlowSample>& samples_;
+  Later later_;
+  std::size_t at_ = 0;
+};
+
+long due(double end, double every, long steps) {
+  if (every <= 0) return 0;
+  const double times = std::floor(end / every * (1 + 1e-12)) + 1;
+  const bool owes = end > (times - 1) * every * (1 + 1e-12);
+  return std::min(static_cast<long>(std::min(times, 1e15)) + owes, steps + 1);
+}
+
+}  // namespace
+
+Scene coarsened(const Scene& scene, long most_cells) {
+  Scene best = scene;
+  for (Scene next = scene; next.cells_x % 2 == 0 && best.patch().cells() > most_cells;) {
+    next.cells_x /= 2;
+    const double h = next.width / next.cells_x;
+    bool sound = std::none_of(next.orifices.begin(), next.orifices.end(),
+                              [&](const Orifice& o) { return o.width < (8 - 1e-6) * h; });
+    for (const Problem& p : check(next)) sound &= !p.fatal;
+    if (!sound) break;
+    best = next;
+  }
+  return best;
+}
+
+Trial try_out(const Scene& scene, double seconds) {
+  Simulation simulation(scene);
+  Trial trial{scene.patch(), {}, 0};
+  std::array<RowSums, 2> rows{RowSums(trial.patch.ny), RowSums(trial.patch.ny)};
+  const auto sample = [&] {
+    trial.flow.push_back(
+        {simulation.t(), fastest_cells(simulation.fields(), 1, rows), simulation.grain_mass()});
+  };
+  sample();
+  std::vector<double> costs;
+  const TimeControl& time = scene.time;
+  const auto start = Clock::now();
+  while (seconds_since(start) < seconds && (time.end == 0 || simulation.t() < time.end) &&
+         (time.max_steps == 0 || static_cast<long>(costs.size()) < time.max_steps)) {
+    const auto before = Clock::now();
+    try {
+      simulation.step(time.end > 0 ? time.end : 1e300);
+    } catch (const std::runtime_error&) {  // diverged: what came before still tells the cost
+      break;
+    }
+    costs.push_back(seconds_since(before));
+    sample();
+  }
+  const std::size_t half = costs.size() / 2;
+  double sum = 0;
+  for (std::size_t k = half; k < costs.size(); ++k) sum += costs[k];
+  if (!costs.empty()) trial.seconds_a_step = sum / static_cast<double>(costs.size() - half);
+  return trial;
+}
+
+StepForecast predict_steps(const Scene& scene, const Trial& trial) {
+  StepForecast result;
+  Flow flow(scene, trial);
+  const double h = scene.patch().h, end = scene.time.end > 0 ? scene.time.end : INFINITY;
+  const double settle = start_up_time(scene);
+  double stop = INFINITY;  // by the flow
+  std::string why;
+  if (scene.stop.mass_below) {
+    stop = flow.time_of_mass(*scene.stop.mass_below * flow.initial_mass());
+    why = "stop.mass_below";
+  }
+  if (scene.stop.steady_discharge && settle > 0) {
+    result.sure = false;
+    if (!std::isfinite(end) && !std::isfinite(stop) && scene.time.max_steps == 0) {
+      stop = 4 * settle;  // it is first asked at 3
+      why = "stop.steady_discharge";
+    }
+  }
+  std::array<long, 5> by_limit{};
+  double t = 0, dt = 0;
+  const auto over = [&] {
+    if (t >= end)
+      result.ends = "time.end";
+    else if (scene.time.max_steps > 0 && result.steps >= scene.time.max_steps)
+      result.ends = "time.max_steps";
+    else if (t >= stop)
+      result.ends = why;
+    return !result.ends.empty();
+  };
+  while (!over()) {
+    const TimeStep step = choose_time_step(scene, flow.fastest(t), h, dt, end - t);
+    long count = 1;
+    if (!flow.knows(t) && step.limit != DtLimit::growth &&
+        step.limit != DtLimit::end) {  // all alike from here on
+      double left = std::min(end, stop) - t;
+      if (scene.time.max_steps > 0)
+        left = std::min(left, static_cast<double>(scene.time.max_steps - result.steps) * step.dt);
+      if (!std::isfinite(left)) break;  // the copy does not lose what it would have to
+      count = std::max(1L, static_cast<long>(left / step.dt * (1 + 1e-9)));
+    }
+    result.steps += count;
+    by_limit[static_cast<std::size_t>(step.limit)] += count;
+    t = step.limit == DtLimit::end ? end : t + static_cast<double>(count) * step.dt;
+    if (step.limit != DtLimit::end) dt = step.dt;
+  }
+  if (result.ends.empty() || result.ends == "stop.mass_below") result.sure = false;
+  result.t = t;
+  result.limit =
+      name_of(static_cast<DtLimit>(std::max_element(by_limit.begin(), by_limit.end()) - by_limit.begin()));
+  return result;
+}
+
+Forecast forecast(const Scene& scene) {
+  Forecast f;
+  Scene small = coarsened(scene, flow_cells);
+  small.threads = 1;  // which so small a grid does best on
+  const Trial flow = try_out(small, flow_budget);
+  const Trial timed = try_out(coarsened(scene, timed_cells), timed_budget);
+  f.steps = predict_steps(scene, flow);
+  const double cells = static_cast<double>(scene.patch().cells());
+  const double ratio = cells / static_cast<double>(timed.patch.cells());
+  f.timed = timed.patch;
+  f.timed_seconds = timed.seconds_a_step;
+  f.step_seconds =
+      static_cast<double>(f.steps.steps) * timed.seconds_a_step * growth(ratio, provenance(scene.threads).threads);
+  const Output& o = scene.output;
+  const double stored =
+      static_cast<double>(stored_fields(scene).size()) + 3;  // the velocity has three components
+  f.rows = due(f.steps.t, o.series_every, f.steps.steps);
+  f.frames = due(f.steps.t, o.fields_every, f.steps.steps);
+  f.pictures =
+      due(f.steps.t, o.snapshots_every, f.steps.steps) * static_cast<long>(asked_fields(scene).size());
+  f.frame_bytes = static_cast<double>(f.frames) * stored * cells * sizeof(float);
+  f.output_seconds = static_cast<double>(f.rows) * cells * row_seconds +
+                     static_cast<double>(f.frames) * cells * stored * frame_seconds +
+                     static_cast<double>(f.pictures) * picture_seconds;
+  return f;
+}
+
+std::string text_of(const Forecast& f, const Scene& scene) {
+  const StepForecast& s = f.steps;
+  std::string text = fmt::format("  {} steps, most by {}, to t = {:.4g}", s.steps, s.limit, s.t);
+  text += s.ends.empty() ? ": nothing that can be foreseen ends this run\n" : fmt::format(" by {}\n", s.ends);
+  if (scene.stop.steady_discharge && s.ends != "stop.steady_discharge")
+    text += "  stop.steady_discharge may end it sooner; when cannot be foreseen\n";
+  text +=
+      fmt::format("  {} of stepping: {:.3g} s a step, from {:.3g} s on {} x {} cells, timed just now\n",
+                  duration_text(f.step_seconds), f.step_seconds / std::max(1.0, static_cast<double>(s.steps)),
+                  f.timed_seconds, f.timed.nx, f.timed.ny);
+  text +=
+      fmt::format("  {} of output: {} rows, {} frames of {:.3g} MB in all before compression, {} pictures\n",
+                  duration_text(f.output_seconds), f.rows, f.frames, f.frame_bytes * 1e-6, f.pictures);
+  return text + fmt::format("  {} in all\n", duration_text(f.step_seconds + f.output_seconds));
+}
+
+}  // namespace hourglass
