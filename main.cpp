@@ -91,7 +91,7 @@ int plan(const Arguments& a) {
   fmt::print(
       "{}: {} x {} cells of side {:.6g}\n\nSwitched on\n{}\nWell-posedness, C(I) of Barker et al. 2015\n{}",
       a.scene, patch.nx, patch.ny, patch.h, text_of(switches_of(scene)), well_posedness_text(scene));
-  fmt::print("\nMemory\n{}", text_of(arrays_of(Simulation(scene)), patch.cells()));
+  fmt::print("\nMemory\n{}", memory_text(Simulation(scene)));
   std::fflush(stdout);  // the rest takes a second or two
   fmt::print("\nSteps and seconds\n{}", text_of(forecast(scene), scene));
   return finished;

@@ -9,8 +9,10 @@
 #include <stdexcept>
 
 #include "io/frame.hpp"
+#include "io/offscreen.hpp"
 #include "io/progress.hpp"
 #include "io/provenance.hpp"
+#include "io/render.hpp"
 #include "solver/diagnostics.hpp"
 #include "solver/simulation.hpp"
 #include "solver/timers.hpp"
@@ -21,13 +23,15 @@ namespace {
 // Measured with configs/silo.yaml, docs/plan.md:
 constexpr double discharge_constant = 1.1;  ///< discharge rate over rho sqrt(g) W^1.5
 constexpr double row_seconds = 25e-9;       ///< a cell and row of the series, on one thread
-constexpr double frame_seconds = 60e-9;     ///< a cell and stored component, compressed
-constexpr double picture_seconds = 0.15;    ///< each
+constexpr double frame_seconds = 10e-9;     ///< a cell and stored component
 
+// The copies: the one that shows the flow is small, to see much of it; the one that is timed, large enough to be like it.
 constexpr long flow_cells = 64 * 64, timed_cells = 128 * 128;
 constexpr double flow_budget = 1, timed_budget = 0.7;  // s
 
-/// What a step costs on a grid with `ratio` times the cells of the one that was timed, over its cost there.
+/// What a step costs on a grid with `ratio` times the cells of the one that was timed, over its cost there. A cell and
+/// step at 128^2, 256^2, 512^2: 112, 135, 166 ns on one thread, for more iterations and smaller caches a cell; 100, 99, 94
+/// ns on two, for then the barriers lose weight.
 double growth(double ratio, int threads) { return std::pow(ratio, threads == 1 ? 1.13 : 1.0); }
 
 /// Means over the last half of the samples' time.
@@ -94,6 +98,24 @@ long due(double end, double every, long steps) {
   return std::min(static_cast<long>(std::min(times, 1e15)) + owes, steps + 1);
 }
 
+/// Seconds that a picture of the simulation takes, the least of three; 0 where none can be drawn.
+double time_picture(const Simulation& simulation) {
+  const Scene& scene = simulation.scene();
+  if (scene.output.snapshots_every == 0 || asked_fields(scene).empty()) return 0;
+  const Frame frame = frame_of(simulation, stored_fields(scene));
+  double least = INFINITY;
+  try {
+    for (int k = 0; k < 4; ++k) {  // the first also sets up OpenGL
+      const auto start = Clock::now();
+      render_png(picture_of(asked_fields(scene).front(), frame, info_of(scene)), {});
+      if (k > 0) least = std::min(least, seconds_since(start));
+    }
+  } catch (const NoGraphics&) {
+    return 0;
+  }
+  return least;
+}
+
 }  // namespace
 
 Scene coarsened(const Scene& scene, long most_cells) {
@@ -110,8 +132,8 @@ Scene coarsened(const Scene& scene, long most_cells) {
   return best;
 }
 
-Trial try_out(const Scene& scene, double seconds) {
-  Simulation simulation(scene);
+Trial try_out(Simulation& simulation, double seconds) {
+  const Scene& scene = simulation.scene();
   Trial trial{scene.patch(), {}, 0};
   std::array<RowSums, 2> rows{RowSums(trial.patch.ny), RowSums(trial.patch.ny)};
   const auto sample = [&] {
@@ -122,7 +144,11 @@ Trial try_out(const Scene& scene, double seconds) {
   std::vector<double> costs;
   const TimeControl& time = scene.time;
   const auto start = Clock::now();
-  while (seconds_since(start) < seconds && (time.end == 0 || simulation.t() < time.end) &&
+  const auto enough = [&] {  // long enough for the governor of threads to have tried both
+    const double spent = seconds_since(start);
+    return spent >= 8 * seconds || (spent >= seconds && costs.size() >= 30);
+  };
+  while (!enough() && (time.end == 0 || simulation.t() < time.end) &&
          (time.max_steps == 0 || static_cast<long>(costs.size()) < time.max_steps)) {
     const auto before = Clock::now();
     try {
@@ -133,10 +159,11 @@ Trial try_out(const Scene& scene, double seconds) {
     costs.push_back(seconds_since(before));
     sample();
   }
-  const std::size_t half = costs.size() / 2;
-  double sum = 0;
-  for (std::size_t k = half; k < costs.size(); ++k) sum += costs[k];
-  if (!costs.empty()) trial.seconds_a_step = sum / static_cast<double>(costs.size() - half);
+  // Quartiles, for on a shared machine some steps wait for somebody else, and seldom in a longer run.
+  costs.erase(costs.begin(), costs.begin() + static_cast<std::ptrdiff_t>(costs.size() / 2));
+  std::sort(costs.begin(), costs.end());
+  for (std::size_t q = 0; q < 3 && !costs.empty(); ++q)
+    trial.seconds_a_step[q] = costs[(q + 1) * (costs.size() - 1) / 4];
   return trial;
 }
 
@@ -196,42 +223,49 @@ Forecast forecast(const Scene& scene) {
   Forecast f;
   Scene small = coarsened(scene, flow_cells);
   small.threads = 1;  // which so small a grid does best on
-  const Trial flow = try_out(small, flow_budget);
-  const Trial timed = try_out(coarsened(scene, timed_cells), timed_budget);
+  Simulation small_simulation(small), timed_simulation(coarsened(scene, timed_cells));
+  const Trial flow = try_out(small_simulation, flow_budget);
+  const Trial timed = try_out(timed_simulation, timed_budget);
   f.steps = predict_steps(scene, flow);
   const double cells = static_cast<double>(scene.patch().cells());
   const double ratio = cells / static_cast<double>(timed.patch.cells());
   f.timed = timed.patch;
   f.timed_seconds = timed.seconds_a_step;
-  f.step_seconds =
-      static_cast<double>(f.steps.steps) * timed.seconds_a_step * growth(ratio, provenance(scene.threads).threads);
+  f.step_seconds = static_cast<double>(f.steps.steps) * timed.seconds_a_step[1] *
+                   growth(ratio, provenance(scene.threads).threads);
   const Output& o = scene.output;
-  const double stored =
-      static_cast<double>(stored_fields(scene).size()) + 3;  // the velocity has three components
+  const double stored = static_cast<double>(stored_fields(scene).size()) + 3;  // the velocity has three
   f.rows = due(f.steps.t, o.series_every, f.steps.steps);
   f.frames = due(f.steps.t, o.fields_every, f.steps.steps);
+  f.picture_seconds = time_picture(timed_simulation);
   f.pictures =
       due(f.steps.t, o.snapshots_every, f.steps.steps) * static_cast<long>(asked_fields(scene).size());
   f.frame_bytes = static_cast<double>(f.frames) * stored * cells * sizeof(float);
   f.output_seconds = static_cast<double>(f.rows) * cells * row_seconds +
                      static_cast<double>(f.frames) * cells * stored * frame_seconds +
-                     static_cast<double>(f.pictures) * picture_seconds;
+                     static_cast<double>(f.pictures) * f.picture_seconds;
   return f;
 }
 
 std::string text_of(const Forecast& f, const Scene& scene) {
   const StepForecast& s = f.steps;
-  std::string text = fmt::format("  {} steps, most by {}, to t = {:.4g}", s.steps, s.limit, s.t);
-  text += s.ends.empty() ? ": nothing that can be foreseen ends this run\n" : fmt::format(" by {}\n", s.ends);
+  const double ms = 1e3 * f.step_seconds / std::max(1.0, static_cast<double>(s.steps));
+  const std::string timed = fmt::format(
+      "{:.3g} ms a step, from {:.3g} ms (middle half {:.3g} to {:.3g}) on {} x {} cells, timed just now", ms,
+      1e3 * f.timed_seconds[1], 1e3 * f.timed_seconds[0], 1e3 * f.timed_seconds[2], f.timed.nx, f.timed.ny);
+  if (f.timed_seconds[1] == 0) return "  no step of a small copy came out: it diverges at once\n";
+  if (s.ends.empty())
+    return fmt::format(
+        "  no end in sight: a small copy does not lose the grains that stop.mass_below waits for\n  {}\n",
+        timed);
+  std::string text = fmt::format("  {}{} steps, most by {}, to t = {:.4g} by {}\n", s.sure ? "" : "about ",
+                                 s.steps, s.limit, s.t, s.ends);
   if (scene.stop.steady_discharge && s.ends != "stop.steady_discharge")
     text += "  stop.steady_discharge may end it sooner; when cannot be foreseen\n";
-  text +=
-      fmt::format("  {} of stepping: {:.3g} s a step, from {:.3g} s on {} x {} cells, timed just now\n",
-                  duration_text(f.step_seconds), f.step_seconds / std::max(1.0, static_cast<double>(s.steps)),
-                  f.timed_seconds, f.timed.nx, f.timed.ny);
-  text +=
-      fmt::format("  {} of output: {} rows, {} frames of {:.3g} MB in all before compression, {} pictures\n",
-                  duration_text(f.output_seconds), f.rows, f.frames, f.frame_bytes * 1e-6, f.pictures);
+  text += fmt::format("  {} of stepping: {}\n", duration_text(f.step_seconds), timed);
+  text += fmt::format("  {} of output: {} rows, {} frames of {:.3g} MB in all, {} pictures of {:.2g} s\n",
+                      duration_text(f.output_seconds), f.rows, f.frames, f.frame_bytes * 1e-6, f.pictures,
+                      f.picture_seconds);
   return text + fmt::format("  {} in all\n", duration_text(f.step_seconds + f.output_seconds));
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // How many steps a scene will take, how long, and what it will write: `hourglass plan`. A small copy of the scene tells
 // how fast grains move and leave, and what a step costs here and now; nothing is written. docs/plan.md has the accuracy.
+#include <array>
 #include <string>
 #include <vector>
 
@@ -19,15 +20,16 @@ struct FlowSample {
 struct Trial {
   Patch patch;
   std::vector<FlowSample> flow;  ///< the first at t = 0
-  double seconds_a_step = 0;     ///< mean over the second half of the steps; 0: no step came out
+  /// Of the second half of the steps: quartiles, the median in the middle; 0: no step came out.
+  std::array<double, 3> seconds_a_step{};
 };
 
 /// The scene on a grid halved while it has more than `most_cells` cells, as long as that remains a sound scene with
 /// orifices of at least 8 cells; the scene itself where none is.
 Scene coarsened(const Scene& scene, long most_cells);
 
-/// Steps the scene for so many seconds, not past its end.
-Trial try_out(const Scene& scene, double seconds);
+/// Steps for so many seconds, not past its end.
+Trial try_out(Simulation& simulation, double seconds);
 
 struct StepForecast {
   long steps = 0;
@@ -45,9 +47,10 @@ struct Forecast {
   StepForecast steps;
   double step_seconds = 0, output_seconds = 0;  ///< all steps; all that is written or drawn
   long rows = 0, frames = 0, pictures = 0;      ///< of series.csv; of fields.h5; files
-  double frame_bytes = 0;                       ///< all frames, before compression
+  double frame_bytes = 0;                       ///< all frames
+  double picture_seconds = 0;                   ///< each, as timed now
   Patch timed;                                  ///< the copy that was timed
-  double timed_seconds = 0;                     ///< a step of it
+  std::array<double, 3> timed_seconds{};        ///< a step of it: quartiles
 };
 
 /// Runs two copies, for about two seconds together.

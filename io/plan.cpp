@@ -5,11 +5,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/frame.hpp"
 #include "kernels/strain_rate.hpp"
 #include "solver/grain_properties.hpp"
 
 namespace hourglass {
 namespace {
+
+bool smooths(const Scene& scene) {
+  return scene.rheology.smoothing_length > 0 && scene.rheology.law != Law::newtonian;
+}
 
 /// In which properties a material differs from the first.
 std::string differences(const Scene& scene, int k) {
@@ -85,10 +90,9 @@ Switches switches_of(const Scene& scene) {
                : fmt::format("mu_I_regularised: mu(I) bent at small I, alpha = {}, mu_inf = {}", r.alpha,
                              r.mu_inf);
   });
-  const bool smooths = r.smoothing_length > 0 && r.law != Law::newtonian;
-  add(smooths, "physics.rheology.smoothing_length", [&] {
-    return fmt::format("{:.6g}: the shear rate is smoothed, {} passes at this cell size", r.smoothing_length,
-                       smoothing_passes(r.smoothing_length, scene.patch().h).size());
+  add(smooths(scene), "physics.rheology.smoothing_length", [&] {
+    return fmt::format("{:.6g}: the shear rate is smoothed (passes at this cell size: {})",
+                       r.smoothing_length, smoothing_passes(r.smoothing_length, scene.patch().h).size());
   });
   add(r.cap == Cap::smooth, "physics.rheology.cap",
       [] { return std::string("smooth: friction meets eta_max without a kink"); });
@@ -114,12 +118,12 @@ Switches switches_of(const Scene& scene) {
   for (const Material& m : scene.materials) {
     if (m.cohesion == 0) continue;
     cohesive = true;
-    add(true, "materials." + m.name + ".cohesion",
+    add(true, fmt::format("materials.{}.cohesion", m.name),
         [&] { return fmt::format("yield stress {:.6g} at P = 0", m.cohesion); });
   }
   add(false, cohesive ? "" : "cohesion", [] { return std::string(); });
   for (std::size_t k = 1; k < scene.materials.size(); ++k)
-    add(true, "materials." + scene.materials[k].name, [&] {
+    add(true, fmt::format("materials.{}", scene.materials[k].name), [&] {
       const std::string in = differences(scene, static_cast<int>(k));
       const std::string& first = scene.materials[0].name;
       return in.empty() ? fmt::format("inert tracer: the same properties as {}", first)
@@ -160,22 +164,21 @@ std::vector<ArrayGroup> arrays_of(const Simulation& simulation) {
   const std::size_t tracers = scene.materials.size() - 1;
   const auto contents = [&](const std::string& group) -> std::string {
     if (group == "fields")
-      return "u, v, p, grains" +
-             (tracers > 0 ? fmt::format(", {} tracer{}", tracers, tracers > 1 ? "s" : "") : "") +
-             (scene.dilatancy ? fmt::format(", {} of solid", tracers + 1) : "") +
-             (scene.nonlocal ? ", fluidity" : "");
+      return fmt::format("u, v, p, grains{}{}{}", tracers > 0 ? fmt::format(", tracers ({})", tracers) : "",
+                         scene.dilatancy ? fmt::format(", solid ({})", tracers + 1) : "",
+                         scene.nonlocal ? ", fluidity" : "");
     if (group == "volume of fluid") return "fluxes of each phase, owner flags";
     if (group == "mass transport") return "density, mass fluxes";
     if (group == "rheology")
-      return std::string("viscosity") + (scene.rheology.law == Law::newtonian ? "" : ", shear rate") +
-             (scene.rheology.smoothing_length > 0 && scene.rheology.law != Law::newtonian ? ", smoothing"
-                                                                                          : "") +
-             (scene.wall_friction ? ", wall force" : "");
+      return fmt::format("viscosity{}{}{}", scene.rheology.law == Law::newtonian ? "" : ", shear rate",
+                         smooths(scene) ? ", smoothing" : "", scene.wall_friction ? ", wall force" : "");
     if (group == "momentum") return "u*, v*";
     if (group == "viscous solve") return "levels of multigrid, Krylov vectors";
     if (group == "projection") return "levels of multigrid, Krylov vectors, increment";
     if (group == "fluidity") return "levels of multigrid, Krylov vectors, source";
-    if (group == "dilatancy") return "packing, fluxes at phi_max, divergence";
+    if (group == "dilatancy")
+      return scene.dilatancy->mode == DilatancyMode::weight ? "packing, fluxes at phi_max"
+                                                            : "packing, fluxes at phi_max, divergence";
     if (group == "splitting") return "u*, v* without forces";
     return "";
   };
@@ -190,15 +193,23 @@ std::size_t total_bytes(const std::vector<ArrayGroup>& groups) {
   return total;
 }
 
-std::string text_of(const std::vector<ArrayGroup>& groups, long cells) {
+std::string memory_text(const Simulation& simulation) {
+  const Scene& scene = simulation.scene();
+  const double cells = static_cast<double>(scene.patch().cells());
   std::string text = fmt::format("  {:<16} {:>14} {:>7}\n", "", "bytes", "a cell");
   const auto line = [&](const std::string& name, std::size_t bytes, const std::string& arrays) {
-    const double a_cell = static_cast<double>(bytes) / static_cast<double>(cells);
-    text += fmt::format("  {:<16} {:>14} {:>7.1f}{}{}\n", name, bytes, a_cell, arrays.empty() ? "" : "  ",
-                        arrays);
+    text += fmt::format("  {:<16} {:>14} {:>7.1f}{}{}\n", name, bytes, static_cast<double>(bytes) / cells,
+                        arrays.empty() ? "" : "  ", arrays);
   };
+  const std::vector<ArrayGroup> groups = arrays_of(simulation);
   for (const ArrayGroup& g : groups) line(g.name, g.bytes, g.arrays);
   line("total", total_bytes(groups), "");
+  const Output& o = scene.output;
+  if (o.fields_every > 0 || o.snapshots_every > 0) {  // each field and the velocity in double
+    const std::size_t fields = stored_fields(scene).size() + 2;
+    line("a frame", fields * simulation.fields().p.bytes(),
+         fmt::format("{} fields, while it is written or drawn", fields));
+  }
   return text;
 }
 

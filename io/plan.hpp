@@ -33,7 +33,7 @@ struct ArrayGroup {
 };
 std::vector<ArrayGroup> arrays_of(const Simulation& simulation);
 std::size_t total_bytes(const std::vector<ArrayGroup>& groups);
-/// One line a group with bytes and bytes a cell, and the total.
-std::string text_of(const std::vector<ArrayGroup>& groups, long cells);
+/// One line a group with bytes and bytes a cell, and the total; below it what a frame or picture takes while it is made.
+std::string memory_text(const Simulation& simulation);
 
 }  // namespace hourglass
