@@ -223,8 +223,11 @@ Forecast forecast(const Scene& scene) {
   Forecast f;
   Scene small = coarsened(scene, flow_cells);
   small.threads = 1;  // which so small a grid does best on
-  Simulation small_simulation(small), timed_simulation(coarsened(scene, timed_cells));
-  const Trial flow = try_out(small_simulation, flow_budget);
+  const Trial flow = [&] {
+    Simulation simulation(small);  // let go before the next: it may be as large as the scene
+    return try_out(simulation, flow_budget);
+  }();
+  Simulation timed_simulation(coarsened(scene, timed_cells));
   const Trial timed = try_out(timed_simulation, timed_budget);
   f.steps = predict_steps(scene, flow);
   const double cells = static_cast<double>(scene.patch().cells());
@@ -238,8 +241,9 @@ Forecast forecast(const Scene& scene) {
   f.rows = due(f.steps.t, o.series_every, f.steps.steps);
   f.frames = due(f.steps.t, o.fields_every, f.steps.steps);
   f.picture_seconds = time_picture(timed_simulation);
-  f.pictures =
-      due(f.steps.t, o.snapshots_every, f.steps.steps) * static_cast<long>(asked_fields(scene).size());
+  if (f.picture_seconds > 0)
+    f.pictures =
+        due(f.steps.t, o.snapshots_every, f.steps.steps) * static_cast<long>(asked_fields(scene).size());
   f.frame_bytes = static_cast<double>(f.frames) * stored * cells * sizeof(float);
   f.output_seconds = static_cast<double>(f.rows) * cells * row_seconds +
                      static_cast<double>(f.frames) * cells * stored * frame_seconds +

@@ -84,6 +84,7 @@ Switches switches_of(const Scene& scene) {
     }
   };
   const Rheology& r = scene.rheology;
+  const bool friction = r.law != Law::newtonian;  // without it what follows is not used
   add(r.law != Law::mu_I, "physics.rheology.law", [&] {
     return r.law == Law::newtonian
                ? std::string("newtonian: eta is the material's viscosity; no shear rate is stored")
@@ -94,9 +95,9 @@ Switches switches_of(const Scene& scene) {
     return fmt::format("{:.6g}: the shear rate is smoothed (passes at this cell size: {})",
                        r.smoothing_length, smoothing_passes(r.smoothing_length, scene.patch().h).size());
   });
-  add(r.cap == Cap::smooth, "physics.rheology.cap",
+  add(friction && r.cap == Cap::smooth, "physics.rheology.cap",
       [] { return std::string("smooth: friction meets eta_max without a kink"); });
-  add(r.background_pressure > 0, "physics.rheology.background_pressure",
+  add(friction && r.background_pressure > 0, "physics.rheology.background_pressure",
       [&] { return fmt::format("{:.6g} is added to p in the law", r.background_pressure); });
   add(scene.nonlocal.has_value(), "physics.nonlocal", [&] {
     const Nonlocal& n = *scene.nonlocal;
@@ -116,7 +117,7 @@ Switches switches_of(const Scene& scene) {
   });
   bool cohesive = false;
   for (const Material& m : scene.materials) {
-    if (m.cohesion == 0) continue;
+    if (m.cohesion == 0 || !friction) continue;
     cohesive = true;
     add(true, fmt::format("materials.{}.cohesion", m.name),
         [&] { return fmt::format("yield stress {:.6g} at P = 0", m.cohesion); });
