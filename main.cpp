@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "io/forecast.hpp"
+#include "io/plan.hpp"
 #include "io/provenance.hpp"
 #include "io/render.hpp"
 #include "io/run_folder.hpp"
@@ -79,12 +81,29 @@ int run(const Arguments& a) {
   return failed;
 }
 
+/// What a run of the scene would be. Writes nothing.
+int plan(const Arguments& a) {
+  const Loaded loaded = load(a);
+  print(loaded.diagnostics);
+  if (!loaded.ok()) return wrong_input;
+  const Scene& scene = loaded.scene;
+  const Patch patch = scene.patch();
+  fmt::print(
+      "{}: {} x {} cells of side {:.6g}\n\nSwitched on\n{}\nWell-posedness, C(I) of Barker et al. 2015\n{}",
+      a.scene, patch.nx, patch.ny, patch.h, text_of(switches_of(scene)), well_posedness_text(scene));
+  fmt::print("\nMemory\n{}", memory_text(Simulation(scene)));
+  std::fflush(stdout);  // the rest takes a second or two
+  fmt::print("\nSteps and seconds\n{}", text_of(forecast(scene), scene));
+  return finished;
+}
+
 int check(const Arguments& a) {
   const Loaded loaded = load(a);
   print(loaded.diagnostics);
   if (!loaded.ok()) return wrong_input;
   const Patch patch = loaded.scene.patch();
   fmt::print("{}: the scene is sound, {} x {} cells of side {:.6g}.\n", a.scene, patch.nx, patch.ny, patch.h);
+  fmt::print("Well-posedness, C(I) of Barker et al. 2015:\n{}", well_posedness_text(loaded.scene));
   const SolveStats stats = project_noise(loaded.scene);
   fmt::print(
       "One projection of noise: {} iterations, max |div u| dt from {:.3g} to {:.3g} (tolerance {:.3g}).\n",
@@ -125,6 +144,11 @@ int main(int argc, char** argv) {
       app.add_subcommand("check", "say what is wrong with a scene, and project noise with its boundaries");
   takes_scene(check_command);
 
+  CLI::App* plan_command = app.add_subcommand(
+      "plan",
+      "say what a scene switches on, what it allocates, how many steps and seconds it takes; runs nothing");
+  takes_scene(plan_command);
+
   CLI::App* render_command = app.add_subcommand("render", "draw pictures from a stored run");
   render_command->add_option("run", a.run, "run folder")
       ->required()
@@ -147,6 +171,7 @@ int main(int argc, char** argv) {
   try {
     if (*run_command) return run(a);
     if (*check_command) return check(a);
+    if (*plan_command) return plan(a);
     return render_run(a.run, a.fields, a.times);
   } catch (const std::invalid_argument& error) {  // what was asked for cannot be: nothing was written
     fmt::print(stderr, "{}\n", error.what());

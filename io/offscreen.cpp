@@ -105,6 +105,7 @@ void draw_png(vtkAbstractContextItem& item, int width, int height, const std::fi
   window.RemoveRenderer(renderer);
   actor->GetScene()->RemoveItem(&item);
 
+  if (path.empty()) return;
   vtkUnsignedCharArray* bytes = png->GetResult();
   write_atomically(path, {reinterpret_cast<const char*>(bytes->GetPointer(0)),
                           static_cast<std::size_t>(bytes->GetNumberOfValues())});

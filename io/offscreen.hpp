@@ -19,7 +19,7 @@ struct NoGraphics : std::runtime_error {
 enum class Edges { crisp, smooth };
 
 /// Draws a 2D item (a chart, or one with a Paint of its own) on white, width x height pixels, into a PNG
-/// file, which is replaced in one go. Call from one thread only, always the same. Throws NoGraphics if EGL or
+/// file, which is replaced in one go; an empty path writes none. Call from one thread only, always the same. Throws NoGraphics if EGL or
 /// OpenGL is missing, std::runtime_error if the file cannot be written.
 void draw_png(vtkAbstractContextItem& item, int width, int height, const std::filesystem::path& path,
               Edges edges = Edges::smooth);

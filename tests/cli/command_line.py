@@ -52,7 +52,7 @@ class CommandLine(unittest.TestCase):
         return result
 
     def test_help_and_version(self):
-        for command in ([], ["run"], ["check"], ["render"]):
+        for command in ([], ["run"], ["check"], ["plan"], ["render"]):
             result = self.hourglass(*command, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("--help", result.stdout)
@@ -87,7 +87,7 @@ class CommandLine(unittest.TestCase):
             ("orifices", "orifices: [{wall: bottom, centre: 20, width: 2.5}]", "orifices.0.width: the neck is 1 cells"),
             ("time", "time: {cfl: 0.5}", "time: nothing ends this run"),
         ]
-        for command in ("run", "check"):
+        for command in ("run", "check", "plan"):
             for key, line, words in cases:
                 with self.subTest(command=command, line=line):
                     self.scene(**{key: line})
@@ -113,8 +113,22 @@ class CommandLine(unittest.TestCase):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("warning: neck is 4 cells wide; use >= 8", result.stderr)
         self.assertIn("16 x 16 cells", result.stdout)
+        self.assertIn("sand: well posed for", result.stdout)
         self.assertIn("One projection of noise", result.stdout)
         self.assertEqual(os.listdir(self.folder.name), ["scene.yaml"])
+
+    def test_plan_tells_and_writes_nothing(self):
+        self.scene(output="output: {fields_every: 0.5, snapshots_every: 0.5, fields: [speed, fluidity_ratio]}")
+        before = os.stat(self.path("scene.yaml")).st_mtime_ns
+        result = self.hourglass("plan", "scene.yaml", "--threads", "1", "--set", "physics.nonlocal.A=0.7",
+                                "--set", "time.dt_max=0.01")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        for words in ("Switched on\n", "physics.nonlocal", "A = 0.7", "Off, neither stored nor paid for",
+                      "Well-posedness", "sand: well posed for", "Memory\n", "viscous solve", "fluidity", "total",
+                      "Steps and seconds\n", "100 steps, most by dt_max, to t = 1 by time.end", "3 frames", "in all"):
+            self.assertIn(words, result.stdout)
+        self.assertEqual(os.listdir(self.folder.name), ["scene.yaml"])
+        self.assertEqual(os.stat(self.path("scene.yaml")).st_mtime_ns, before)
 
     def test_run_once_and_only_once(self):
         self.scene()
