@@ -9,11 +9,11 @@ using namespace hourglass;
 namespace {
 
 /// Four cells wide, height 1, full of grains that slip along both sides, under plates that move along y.
-Scene between_plates(int cells, double plate_speed, double F) {
+Scene between_plates(int cells, double plate_speed, double F, FrictionMode mode) {
   Scene s = newtonian(4.0 / cells, 1, 4, {1e-3});
   s.gravity = {0, -1};
   s.walls = {Wall::free_slip, Wall::free_slip, Wall::no_slip, Wall::open};
-  s.wall_friction = WallFriction{.F = F, .wall_velocity = {0, plate_speed}};
+  s.wall_friction = WallFriction{.F = F, .mode = mode, .wall_velocity = {0, plate_speed}};
   s.start_pressure = StartPressure::hydrostatic;
   s.time.dt_max = 0.1;
   return s;
@@ -50,10 +50,12 @@ std::array<double, 2> speeds(const Fields& f) {
 TEST_CASE("Janssen: pressure of grains at rest between plates that move, second order") {
   const double F = 3;
   for (double plate : {2.0, -2.0})
-    for (Law law : {Law::newtonian, Law::mu_I}) {
+    for (const auto& [law, mode] : {std::pair{Law::newtonian, FrictionMode::implicit},
+                                    {Law::mu_I, FrictionMode::implicit},
+                                    {Law::mu_I, FrictionMode::limiter}}) {
       std::vector<double> errors;
       for (int n : {16, 32, 64}) {
-        Scene s = between_plates(n, plate, F);
+        Scene s = between_plates(n, plate, F, mode);
         s.rheology.law = law;
         // A step moves the pressure by the share of 1 / (1 + 2 eta k^2 dt / rho): thin grains make it soon.
         s.rheology.eta_min = 1e-4;
@@ -73,8 +75,9 @@ TEST_CASE("Janssen: pressure of grains at rest between plates that move, second 
         errors.push_back(worst);
         CHECK(fastest < 1e-9);
       }
-      figure("Janssen, plates %+.0f, %s: largest %s orders %s", plate, law_names[static_cast<int>(law)],
-             listed(errors).c_str(), listed(orders(errors)).c_str());
+      figure("Janssen, plates %+.0f, %s, %s: largest %s orders %s", plate, law_names[static_cast<int>(law)],
+             friction_mode_names[static_cast<int>(mode)], listed(errors).c_str(),
+             listed(orders(errors)).c_str());
       expect_order(errors, 2, 0.1);
       CHECK(errors.back() < (plate > 0 ? 1e-3 : 6e-3));
     }
