@@ -142,6 +142,13 @@ TEST_CASE("a slope below friction keeps a block to a creep, one above lets it go
   CHECK(creep[1] <= below.wall_friction->speed_floor);
   CHECK(creep[1] == Approx(0.8 * below.wall_friction->speed_floor).epsilon(1e-3));
 
+  // The limiter knows the last step only, and takes from it what that step gained.
+  below.wall_friction->mode = FrictionMode::limiter;
+  Simulation limited(below);
+  double dt = 0;
+  for (int k = 0; k < 50; ++k) dt = limited.step().dt;
+  CHECK(speeds(limited.fields())[1] == Approx(0.8 * hold * dt).epsilon(1e-6));
+
   Scene above = sliding(0.01, FrictionMode::implicit);
   above.gravity = {1.5 * hold, 0};
   Simulation goes(above);
