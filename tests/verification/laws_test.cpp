@@ -141,6 +141,31 @@ TEST_CASE("vertical chute of cohesive grains: cohesion c is static friction c / 
   CHECK(off < 1e-5);
 }
 
+TEST_CASE("cohesion is the same with every module that makes the viscosity in its own way") {
+  const auto run = [](auto&& set) {
+    Scene s = channel(0.5, 32, {1, 0}, Wall::free_slip);
+    s.rheology.background_pressure = 1;
+    s.materials[0].mu_s = 0.12;
+    s.materials[0].cohesion = 0.2;
+    set(s);
+    Simulation simulation(s);
+    start(simulation.fields(), [](double y) { return chute(0.5 - y, 0.5, 0.32); });
+    while (simulation.t() < 5) simulation.step(5);
+    return simulation.fields().u(1, 31);
+  };
+  const double plain = run([](Scene&) {});
+  const double packed =
+      run([](Scene& s) { s.dilatancy = Dilatancy{.phi_g = 0, .mode = DilatancyMode::weight}; });
+  const double fluid = run([](Scene& s) {
+    s.nonlocal = Nonlocal{.A = 1e-6, .walls = FluidityWall::no_flux};
+    s.accuracy.fluidity_tolerance = 1e-8;
+  });
+  figure("cohesive chute, plug: plain %.8f, through dilatancy %.8f, through the fluidity %.8f", plain, packed,
+         fluid);
+  CHECK(packed == Approx(plain).epsilon(1e-6));
+  CHECK(fluid == Approx(plain).epsilon(1e-3));  // in the plug xi is not quite nothing
+}
+
 // P = 0: the stress is c whatever the shear rate, down to eta_max at rest and up to eta_min in flow. Along a channel of
 // half width W grains stay where they are while rho a W < c; at rho a W > c they flow as a Bingham fluid of eta_min but
 // without the term of the yield stress, u = rho a (W^2 - x^2) / (2 eta_min) beyond the plug of half width c / (rho a).
