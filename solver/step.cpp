@@ -229,8 +229,8 @@ class StepperOf final : public Stepper {
     if (trace_.allocated()) projection_.add_gravity_and_pressure(team, trace_, {0, 0}, dt, star_);
   }
 
-  /// The silo thesis's wall friction: u^n, relative to the walls, less F P Δt/ρ, not below rest. star_ += that change. On the half control volume
-  /// of a boundary face force and mass are those of its one cell.
+  /// The silo thesis's wall friction: u^n, relative to the walls, less F P Δt/ρ, not below rest. star_ += that change. On
+  /// the half control volume of a boundary face force and mass are those of its one cell.
   void limit_by_walls(Team& team, const Fields& fields, double dt) {
     const CellField& force = rheology_.wall_force();
     const auto [u_wall, v_wall] = scene_.wall_friction->wall_velocity;

@@ -50,7 +50,8 @@ double inertial_number_of(double mu, const Scene& s) {
   return low;
 }
 
-// Vertical chute at constant P with static friction mu_s, which cohesion c raises by c / P (see bagnold_test.cpp). P = rho = a = 1.
+// Vertical chute at constant P with static friction mu_s, which cohesion c raises by c / P (see bagnold_test.cpp).
+// P = rho = a = 1.
 double chute(double x, double half_width, double mu_s) {
   const double delta_mu = 0.28, mu_2 = mu_s + delta_mu, outside = std::max(x, mu_s);
   return 0.4 / d * (-(half_width - outside) + delta_mu * std::log((mu_2 - outside) / (mu_2 - half_width)));
