@@ -106,11 +106,12 @@ void DilatancyStage::set_row(const Fields& fields, int j, const double* __restri
     const double full = static_cast<double>(grains[i] > 0.99);
     S[i] = full * std::min(std::max(wanted, -rate), rate);
     // S = 0 at the pressure where phi(I) is phi. The secant to there, or to a multiple of P if that is nearer: a tangent
-    // would be of no use, for S is steep at small P and level at its bounds.
+    // would be of no use, for S is steep at small P and level at its bounds. Not nearer than a part of a cell's weight: S
+    // made linear over less would pass its bounds by far. Without a slope S does not depend on P.
     const double slip = rate * d_sqrt_rho[i] * phi_g[i] / std::max(phi_max - phi, 1e-12);
     const double rest = slip * slip, apart = std::abs(rest - pressure[i]);
     const double reach = std::min(apart, 2 * pressure[i] + least);
-    softness[i] = std::abs(S[i]) / std::max(reach, 0.1 * least);
+    softness[i] = phi_g[i] > 0 ? std::abs(S[i]) / std::max(reach, 0.1 * least) : 0.0;
   }
 }
 

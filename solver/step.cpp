@@ -233,29 +233,32 @@ class StepperOf final : public Stepper {
       projection_.add_gravity_and_pressure(team, trace_, {0, 0}, dt, star_);
   }
 
-  /// The silo thesis's wall friction: u^n less F P Δt/ρ, not below rest. star_ += that change.
+  /// The silo thesis's wall friction: u^n, relative to the walls, less F P Δt/ρ, not below rest. star_ += that change. On
+  /// the half control volume of a boundary face force and mass are those of its one cell.
   void limit_by_walls(Team& team, const Fields& fields, double dt) {
     const CellField& force = rheology_.wall_force();
+    const auto [u_wall, v_wall] = scene_.wall_friction->wall_velocity;
     const auto change = [&](double own, double across, double push, double rho) {
       const double speed = std::hypot(own, across);
       return speed > 0 ? -own * std::min(1.0, push * dt / (rho * speed)) : 0.0;
     };
     const int nx = patch_.nx, ny = patch_.ny;
+    const bool periodic = boundary_.periodic_x;
     const Rows rows = team.rows(ny + 1);
     for (int j = rows.begin; j < rows.end; ++j) {
       const double *f = force.row(std::min(j, ny - 1)), *rho = mass_.density.row(j);
       const double *us = fields.u.row(j - 1), *u = fields.u.row(j), *v = fields.v.row(j);
       for (int i = 0; i <= nx && j < ny; ++i) {
         const double* vn = fields.v.row(j + 1);
-        const double push = 0.5 * ((i > 0 ? f[i - 1] : 0) + (i < nx ? f[i] : 0));
-        const double across = 0.25 * ((v[i - 1] + v[i]) + (vn[i - 1] + vn[i]));
-        star_.u(i, j) += change(u[i], across, push, 0.5 * (rho[i - 1] + rho[i]));
+        const double push = 0.5 * (f[i > 0 || periodic ? i - 1 : 0] + f[i < nx || periodic ? i : nx - 1]);
+        const double across = 0.25 * ((v[i - 1] + v[i]) + (vn[i - 1] + vn[i])) - v_wall;
+        star_.u(i, j) += change(u[i] - u_wall, across, push, 0.5 * (rho[i - 1] + rho[i]));
       }
       const double* below = mass_.density.row(j - 1);
       for (int i = 0; i < nx; ++i) {
-        const double push = 0.5 * ((j > 0 ? force(i, j - 1) : 0) + (j < ny ? force(i, j) : 0));
-        const double across = 0.25 * ((us[i] + us[i + 1]) + (u[i] + u[i + 1]));
-        star_.v(i, j) += change(v[i], across, push, 0.5 * (below[i] + rho[i]));
+        const double push = 0.5 * (force(i, std::max(j - 1, 0)) + force(i, std::min(j, ny - 1)));
+        const double across = 0.25 * ((us[i] + us[i + 1]) + (u[i] + u[i + 1])) - u_wall;
+        star_.v(i, j) += change(v[i] - v_wall, across, push, 0.5 * (below[i] + rho[i]));
       }
     }
     team.sync();
