@@ -86,7 +86,7 @@ std::vector<double> bagnold_errors(double d, CornerMean mean, double end, const 
     largest.push_back(e.largest);
     double across = 0;
     for (int j = 0; j <= n; ++j) across = std::max(across, std::abs(f.v(1, j)));
-    CHECK(across < 1e-6);
+    CHECK(across < 1e-5);  // of 4.4: what the tolerances leave
     figure("Bagnold d %.4f, %d cells: surface cell %.5f, exact there %.5f", d, n, f.u(1, n - 1),
            exact(f.patch().y_centre(n - 1)));
   }

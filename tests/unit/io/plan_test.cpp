@@ -1,5 +1,7 @@
 #include "io/plan.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 
@@ -142,7 +144,7 @@ TEST_CASE("plan: the table of arrays is what a simulation allocates") {
     for (const ArrayGroup& g : groups) CHECK_FALSE(g.arrays.empty());
     const std::string text = memory_text(simulation);
     CHECK(contains(text, "total"));
-    CHECK(contains(text, " " + std::to_string(bytes) + " "));
+    CHECK(contains(text, fmt::format(" {} ", bytes)));
     for (const char* group : {"fluidity  ", "dilatancy  ", "splitting  "})
       CHECK(contains(text, group) == modules);
   }
