@@ -91,7 +91,7 @@ void DilatancyStage::set_row(const Fields& fields, int j, const double* __restri
     }
     return;
   }
-  const double *solid = fields.solid[0].row(j), *grains = fields.grains.row(j);
+  const double *solid = fields.solid[0].row(j), *grains = fields.grains.row(j), *p = fields.p.row(j);
   double* __restrict S = divergence_.row(j), * __restrict softness = compliance_.row(j);
   const bool relax = mode_ == DilatancyMode::relax;
   const double K = K_, per_time = 1 / relaxation_time_, least = least_pressure_;
@@ -104,14 +104,20 @@ void DilatancyStage::set_row(const Fields& fields, int j, const double* __restri
         relax ? K * rate * (phi - aim) : (1 - aim / std::max(phi, 0.1 * phi_min)) * per_time;
     // Cells of the free surface keep their packing: their volume is the reconstruction's.
     const double full = static_cast<double>(grains[i] > 0.99);
-    S[i] = full * std::min(std::max(wanted, -rate), rate);
+    // Grains dilate and settle no faster than they are sheared, but do not stay crushed.
+    const double crushed = std::max(1 - phi_max / std::max(phi, phi_max), 0.0);
+    S[i] = full * std::min(std::max(wanted, -rate), std::max(rate, crushed * per_time));
     // S = 0 at the pressure where phi(I) is phi. The secant to there, or to a multiple of P if that is nearer: a tangent
     // would be of no use, for S is steep at small P and level at its bounds. Not nearer than a part of a cell's weight: S
     // made linear over less would pass its bounds by far. Without a slope S does not depend on P.
     const double slip = rate * d_sqrt_rho[i] * phi_g[i] / std::max(phi_max - phi, 1e-12);
     const double rest = slip * slip, apart = std::abs(rest - pressure[i]);
     const double reach = std::min(apart, 2 * pressure[i] + least);
-    softness[i] = phi_g[i] > 0 ? std::abs(S[i]) / std::max(reach, 0.1 * least) : 0.0;
+    // No pressure crushes grains; where P is nothing, as beside the surface, δp is noise that S must not follow; and
+    // tension has to go before P rises.
+    const double tension = std::max(-p[i], 0.0);
+    softness[i] = static_cast<double>((phi_g[i] > 0) & (crushed <= 1e-3)) * std::abs(S[i]) /
+                  (std::max(reach, least) + tension);
   }
 }
 
