@@ -9,8 +9,8 @@ namespace hourglass {
 /// What the words of `accuracy` stand for. The Courant number is a matter of the scene, not of these.
 inline constexpr std::array accuracy_names{"fast", "balanced", "accurate"};
 inline constexpr std::array<Accuracy, 3> accuracy_presets{
-    Accuracy{.viscous_tolerance = 5e-3, .pressure_tolerance = 1e-5, .fluidity_tolerance = 1e-1},
-    Accuracy{.viscous_tolerance = 1e-3, .pressure_tolerance = 3e-6, .fluidity_tolerance = 3e-2},
+    Accuracy{.viscous_tolerance = 5e-3, .pressure_tolerance = 1e-5, .fluidity_tolerance = 3e-2},
+    Accuracy{.viscous_tolerance = 1e-3, .pressure_tolerance = 3e-6, .fluidity_tolerance = 1e-2},
     Accuracy{.viscous_tolerance = 1e-4, .pressure_tolerance = 1e-8, .fluidity_tolerance = 1e-3},
 };
 

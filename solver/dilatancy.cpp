@@ -116,8 +116,9 @@ void DilatancyStage::set_row(const Fields& fields, int j, const double* __restri
     // No pressure crushes grains; where P is nothing, as beside the surface, δp is noise that S must not follow; and
     // tension has to go before P rises.
     const double tension = std::max(-p[i], 0.0);
-    softness[i] = static_cast<double>((phi_g[i] > 0) & (crushed <= 1e-3)) * std::abs(S[i]) /
-                  (std::max(reach, least) + tension);
+    const double room = std::min(std::max(1 - crushed * 50, 0.0), 1.0);
+    softness[i] =
+        static_cast<double>(phi_g[i] > 0) * room * std::abs(S[i]) / (std::max(reach, least) + tension);
   }
 }
 

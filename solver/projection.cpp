@@ -158,7 +158,11 @@ SolveStats Projection<T>::solve(Team& team, double dt, double tolerance, int max
       const double *eta = modules.viscosity->row(j), *rhs = rhs_.row(j);
       const double omega_h = modules.rotational / q_.patch().h;
 #pragma omp simd
-      for (int i = 0; i < q_.nx(); ++i) out[i] += omega_h * eta[i] * rhs[i];
+      for (int i = 0; i < q_.nx(); ++i) {
+        const double bound = 0.25 * std::abs(out[i]) + modules.least_bound,
+                     change = omega_h * eta[i] * rhs[i];
+        out[i] += std::min(std::max(change, -bound), bound);
+      }
     }
     if (boundary.periodic_x) wrap_row(q, q_.nx());
     if (boundary.periodic_x) wrap_row(out, q_.nx());

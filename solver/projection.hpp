@@ -11,7 +11,9 @@ namespace hourglass {
 struct ProjectionModules {
   const CellField* divergence = nullptr;  ///< S: ∇·u is to be S - compliance δp, not 0 [1/T]
   const CellField* viscosity = nullptr;   ///< eta of the rotational term [M/T]
-  double rotational = 0;                  ///< omega: p <- p + δp - omega eta (∇·u** - divergence)
+  double rotational = 0;                  ///< omega: p <- p + δp - omega eta (∇·u** - divergence) ...
+  double least_bound =
+      0;  ///< ... but by no more than p/4 and this a step, for eta ∇·u** is rounding where eta is large [M/T^2]
 };
 
 template <class T>

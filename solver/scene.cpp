@@ -434,7 +434,7 @@ void check_numerics(const Scene& s, Problems& p) {
   p.require(r.mu_inf >= 0, path + "mu_inf", r.mu_inf, ">= 0", "0.05 is usual.");
   const Accuracy& a = s.accuracy;
   p.require(a.fluidity_tolerance > 0 && a.fluidity_tolerance < 1, "accuracy.fluidity_tolerance",
-            a.fluidity_tolerance, "above 0, below 1", "3e-2 is balanced.");
+            a.fluidity_tolerance, "above 0, below 1", "1e-2 is balanced.");
   p.require(a.splitting.outer >= 1 && a.splitting.outer <= 100, "accuracy.splitting.outer", a.splitting.outer,
             "1 to 100");
   p.require(a.splitting.picard >= 1 && a.splitting.picard <= 100, "accuracy.splitting.picard",

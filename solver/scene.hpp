@@ -161,7 +161,7 @@ struct Splitting {
 struct Accuracy {
   double viscous_tolerance = 1e-3;   ///< energy norm of the error over that of the flow
   double pressure_tolerance = 3e-6;  ///< max |div u| dt
-  double fluidity_tolerance = 3e-2;  ///< error of the granular fluidity over its own size, everywhere
+  double fluidity_tolerance = 1e-2;  ///< error of the granular fluidity over its own size, everywhere
   int max_iterations = 200;
   Precision precision = Precision::mixed;
   Splitting splitting{};

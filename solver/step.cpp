@@ -337,8 +337,10 @@ class StepperOf final : public Stepper {
     SolveStats stats;
     if (scene_.accuracy.splitting.outer > 1) projection_.forget();  // rounds correct different things
     parallel(threads_, [&](Team& team) {
-      const ProjectionModules modules{with_modules && dilatancy_ ? dilatancy_->divergence() : nullptr, &eta_,
-                                      scene_.accuracy.splitting.rotational};
+      const ProjectionModules modules{
+          with_modules && dilatancy_ ? dilatancy_->divergence() : nullptr, &eta_,
+          scene_.accuracy.splitting.rotational,
+          scene_.materials[0].density * patch_.h * std::hypot(scene_.gravity[0], scene_.gravity[1])};
       const SolveStats s = projection_.solve(team, dt, scene_.accuracy.pressure_tolerance,
                                              scene_.accuracy.max_iterations, fields, fields.p, modules);
       if (team.leads()) stats = s;

@@ -193,7 +193,7 @@ TEST_CASE("words of accuracy") {
     return load_scene(file.path(), {"accuracy=" + word}).scene.accuracy;
   };
   CHECK(with("fast") ==
-        Accuracy{.viscous_tolerance = 5e-3, .pressure_tolerance = 1e-5, .fluidity_tolerance = 1e-1});
+        Accuracy{.viscous_tolerance = 5e-3, .pressure_tolerance = 1e-5, .fluidity_tolerance = 3e-2});
   CHECK(with("balanced") == Accuracy{});
   CHECK(with("accurate") ==
         Accuracy{.viscous_tolerance = 1e-4, .pressure_tolerance = 1e-8, .fluidity_tolerance = 1e-3});
@@ -210,7 +210,7 @@ TEST_CASE("a word of accuracy may be changed in part") {
     CHECK(loaded.ok());
     return loaded.scene.accuracy;
   };
-  const Accuracy fast_in_double{5e-3, 1e-5, 1e-1, 200, Precision::full};
+  const Accuracy fast_in_double{5e-3, 1e-5, 3e-2, 200, Precision::full};
   CHECK(with({"accuracy.precision=full"}) == fast_in_double);
   CHECK(with({"accuracy={precision: full, preset: fast}"}) == fast_in_double);
   CHECK(with({"accuracy=balanced", "accuracy.precision=full"}) == Accuracy{.precision = Precision::full});
