@@ -60,31 +60,35 @@ Row<const T> row_of(const VelocityOf<T>& f, int k) {
   return {f.v.row(k / 2), f.v.nx()};
 }
 
-/// f(i, whether point i has the colour) on row j of n points. Red-black: point i of row j has colour (i + j) mod 2,
-/// counted from the nearer end of the row, so that a mirrored problem is smoothed in mirrored order and keeps its
-/// symmetry to rounding. In rows with an even number of points the two at the middle share a colour; they are updated
-/// at once from each other's old value.
-template <class F>
-[[gnu::always_inline]] inline void map_colour(int n, int j, int colour, F f) {
-  const int half = n % 2 == 0 ? n / 2 : n;
-  const int left = (colour + j) & 1, right = n % 2 == 0 ? 1 - left : left;
-#pragma omp simd
-  for (int i = 0; i < half; ++i) f(i, (i & 1) == left);
-#pragma omp simd
-  for (int i = half; i < n; ++i) f(i, (i & 1) == right);
-}
+/// Red-black colours of a row: point i of row j has colour (i + j) mod 2, counted from the nearer end of the row, so that
+/// a mirrored problem is smoothed in mirrored order and keeps its symmetry to rounding. In rows with an even number of
+/// points the two at the middle share a colour; they are updated at once from each other's old value.
+struct ColourOfRow {
+  int half, left, right;  ///< points i < half have the colour where (i & 1) == left, the others where (i & 1) == right
+  ColourOfRow(int n, int j, int colour)
+      : half(n % 2 == 0 ? n / 2 : n), left((colour + j) & 1), right(n % 2 == 0 ? 1 - left : left) {}
+};
 
 /// Takes over the updated values of one colour: out[i] = updated[i] where i has it.
 template <class T>
 void take_colour(const T* __restrict updated, int n, int j, int colour, T* __restrict out) {
-  map_colour(n, j, colour, [=](int i, bool has_it) { out[i] = has_it ? updated[i] : out[i]; });
+  const ColourOfRow c(n, j, colour);
+#pragma omp simd
+  for (int i = 0; i < c.half; ++i) out[i] = (i & 1) == c.left ? updated[i] : out[i];
+#pragma omp simd
+  for (int i = c.half; i < n; ++i) out[i] = (i & 1) == c.right ? updated[i] : out[i];
 }
 
-/// Gauss-Seidel on one colour from x = 0: out[i] = b[i] / diagonal where i has the colour, else 0.
+/// Gauss-Seidel on one colour from x = 0: out[i] = b[i] / diagonal where i has the colour, else 0. (The two loops of
+/// take_colour by a common loop over a lambda: this one then was no longer vector code, the descent 1.5 times as slow.)
 template <class T>
 void start_colour(const T* __restrict b, const T* __restrict inverse_diagonal, int n, int j, int colour,
                   T* __restrict out) {
-  map_colour(n, j, colour, [=](int i, bool has_it) { out[i] = T(has_it) * (b[i] * inverse_diagonal[i]); });
+  const ColourOfRow c(n, j, colour);
+#pragma omp simd
+  for (int i = 0; i < c.half; ++i) out[i] = T((i & 1) == c.left) * (b[i] * inverse_diagonal[i]);
+#pragma omp simd
+  for (int i = c.half; i < n; ++i) out[i] = T((i & 1) == c.right) * (b[i] * inverse_diagonal[i]);
 }
 
 /// Sets the points around the patch to 0, as the viscous operator wants them, on the rows of this member. Sync after.
