@@ -3,6 +3,7 @@
 // (io/scene_yaml); the solver and its tests build a Scene in C++. Dimensions stand in brackets: L length,
 // T time, M mass per unit depth; any consistent system does (grain units: d = g = rho = 1, or SI).
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,6 +55,23 @@ inline constexpr std::array start_pressure_names{"zero", "hydrostatic"};
 enum class Precision { mixed, full };
 inline constexpr std::array precision_names{"mixed", "full"};
 
+/// Solids in the flow; width and height are those of the bounding box, `centre` its middle.
+enum class Shape { square, rectangle, diamond, triangle_up, triangle_down, circle, polygon };
+inline constexpr std::array shape_names{"square",        "rectangle", "diamond", "triangle_up",
+                                        "triangle_down", "circle",    "polygon"};
+/// mirror: the left edge is a mirror plane, the domain one half of what is meant.
+enum class Symmetry { none, mirror };
+inline constexpr std::array symmetry_names{"none", "mirror"};
+/// axisymmetric: x is the distance from the axis, which is the left edge.
+enum class Coordinates { cartesian, axisymmetric };
+inline constexpr std::array coordinates_names{"cartesian", "axisymmetric"};
+/// none: p = 0 on the free surface, air is not solved.
+enum class AirModel { passive, none };
+inline constexpr std::array air_model_names{"passive", "none"};
+/// How solids meet the grid: by the shares of faces and cells that they leave open, or cell by cell.
+enum class SolidModel { cut_cells, staircase };
+inline constexpr std::array solid_model_names{"cut_cells", "staircase"};
+
 struct Material {
   std::string name = "sand";
   double mu_s = 0.62;      ///< static friction [1] >= 0
@@ -80,11 +98,36 @@ struct Fill {
 struct Orifice {
   Side wall = Side::bottom;
   double centre = 75;    ///< along the wall [L]
-  double width = 18.75;  ///< [L] > 0; both ends on cell edges
+  double width = 18.75;  ///< [L] > 0
   bool operator==(const Orifice&) const = default;
 };
 
+/// A solid at rest, without slip.
+struct Insert {
+  Shape shape = Shape::circle;
+  std::array<double, 2> centre{0, 0};         ///< [L]; not of a polygon
+  double width = 0, height = 0;               ///< [L] > 0; a square's and a circle's height is their width
+  std::vector<std::array<double, 2>> points;  ///< corners of a polygon in order [L]
+  bool operator==(const Insert&) const = default;
+};
+
+/// Sloping walls from the sides of the domain down to an outlet in the middle of its bottom.
+struct Hopper {
+  double half_angle = 30;  ///< of the walls against the vertical [degrees], above 0, below 90
+  double outlet =
+      18.75;  ///< width of the outlet [L] > 0; an orifice of this width, if the scene names none at the bottom
+  bool operator==(const Hopper&) const = default;
+};
+
+/// Grains of this material replace air below the level, so that the silo stays filled.
+struct Feed {
+  int material = 0;  ///< index into Scene::materials
+  double level = 0;  ///< y [L]
+  bool operator==(const Feed&) const = default;
+};
+
 struct Air {
+  AirModel model = AirModel::passive;
   double density = 1e-3;      ///< [M/L^2] > 0
   double viscosity = 0.0164;  ///< eta [M/T] > 0
   bool operator==(const Air&) const = default;
@@ -164,6 +207,7 @@ struct Accuracy {
   double fluidity_tolerance = 1e-2;  ///< error of the granular fluidity over its own size, everywhere
   int max_iterations = 200;
   Precision precision = Precision::mixed;
+  SolidModel solids = SolidModel::cut_cells;
   Splitting splitting{};
   bool operator==(const Accuracy&) const = default;
 };
@@ -180,7 +224,9 @@ struct Output {
 struct Scene {
   std::string name = "silo";
   Units units = Units::grain;
-  double width = 150, height = 150;      ///< [L]
+  double width = 150, height = 150;  ///< [L]
+  Symmetry symmetry = Symmetry::none;
+  Coordinates coordinates = Coordinates::cartesian;
   int cells_x = 128;                     ///< square cells: cells_y = cells_x height / width
   std::array<double, 2> gravity{0, -1};  ///< [L/T^2]
   Air air;
@@ -188,6 +234,9 @@ struct Scene {
   std::vector<Fill> fill;
   std::array<Wall, 4> walls{Wall::no_slip, Wall::no_slip, Wall::no_slip, Wall::open};  ///< by Side
   std::vector<Orifice> orifices;
+  std::vector<Insert> inserts;
+  std::optional<Hopper> hopper;
+  std::optional<Feed> feed;
   Rheology rheology;
   std::optional<Nonlocal> nonlocal;  ///< what is not named is not modelled, not stored, not paid for
   std::optional<Dilatancy> dilatancy;
@@ -200,7 +249,11 @@ struct Scene {
   int threads = 0;  ///< 0: as many as there are cores to run on
 
   Wall wall(Side s) const { return walls[static_cast<int>(s)]; }
-  Patch patch() const;  ///< the whole domain; cells_y rounded
+  bool axisymmetric() const { return coordinates == Coordinates::axisymmetric; }
+  /// The left edge is not a wall but the middle of what is meant.
+  bool left_is_middle() const { return symmetry == Symmetry::mirror || axisymmetric(); }
+  double g() const { return std::hypot(gravity[0], gravity[1]); }  ///< [L/T^2]
+  Patch patch() const;                                             ///< the whole domain; cells_y rounded
   bool operator==(const Scene&) const = default;
 };
 
