@@ -219,6 +219,9 @@ void coarsen_viscous(Team& team, const ViscousCoefficients<T>& fine, bool period
       T* __restrict m = coarse.mass.u.row(j);
 #pragma omp simd
       for (int i = 0; i <= nx; ++i) m[i] = T(2) * line[2 * i] + (line[2 * i - 1] + line[2 * i + 1]);
+      const T *m0 = fine.mass.u.row(2 * j), *m1 = fine.mass.u.row(2 * j + 1);
+#pragma omp simd
+      for (int i = 0; i <= nx; ++i) m[i] *= T(m0[2 * i] + m1[2 * i] > T(0));  // solid where both faces are
     }
     const bool inside_y = j > 0 && j < ny;
     {
@@ -232,6 +235,8 @@ void coarsen_viscous(Team& team, const ViscousCoefficients<T>& fine, bool period
 #pragma omp simd
       for (int i = 0; i < nx; ++i)
         m[i] = T(0.75) * (line[2 * i] + line[2 * i + 1]) + T(0.25) * (line[2 * i - 1] + line[2 * i + 2]);
+#pragma omp simd
+      for (int i = 0; i < nx; ++i) m[i] *= T(c[2 * i] + c[2 * i + 1] > T(0));
     }
     // Corners: 1-2-1 along a boundary, 1-2-1 x 1-2-1 inside.
     const T* c = fine.eta_n.row(2 * j);
