@@ -173,7 +173,7 @@ struct Flow {
         eta_c(i, j) = static_cast<float>(noise.logarithmic(1, 1e6));
         mass.density(i, j) = 1e-3 + grains(i, j);
       }
-    fill_vof_halo(false, {0, n}, grains);
+    fill_vof_halo({}, {0, n}, grains);
     freeze_dilation(grains, {}, {0, n}, owner);
     start = twin = grains;
     fill_cell_halo(boundary, mass.density);
@@ -207,8 +207,8 @@ Case vof_sweep(int n) {
     const Rows cells = team.rows(s->grains.ny());
     vof_fluxes<face>(s->grains, {}, velocity, s->dt_h, false, team.rows(velocity.ny()), {&flux, 1});
     team.sync();
-    apply_fluxes<face>({&flux, 1}, velocity, s->dt_h, s->owner, cells, s->grains, {}, s->excess);
-    fill_vof_halo(false, cells, s->grains);
+    apply_fluxes<face, true>({&flux, 1}, velocity, s->dt_h, s->owner, {}, cells, s->grains, {}, s->excess);
+    fill_vof_halo({}, cells, s->grains);
   };
   c.plain = [s, &flux, &velocity] {
     plain::vof_sweep<face>(s->twin, velocity, s->twin_dt_h = -s->twin_dt_h, s->owner, flux);
@@ -221,7 +221,7 @@ Case vof_sweep(int n) {
     for (int k = 0; k < 2; ++k) {  // both directions
       Noise noise;
       fill_random(s->grains, noise, 0, 1);
-      fill_vof_halo(false, {0, s->grains.ny()}, s->grains);
+      fill_vof_halo({}, {0, s->grains.ny()}, s->grains);
       s->twin = s->grains;
       c.fast(alone);
       c.plain();

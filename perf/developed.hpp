@@ -15,7 +15,7 @@ namespace hourglass::perf {
 inline void refine(const Fields& coarse, Fields& fine) {
   Fields from = coarse;
   const int nx = from.patch().nx, ny = from.patch().ny;
-  fill_vof_halo(false, {0, ny}, from.grains);
+  fill_vof_halo({}, {0, ny}, from.grains);
   // Along an axis that a location is staggered in, i lies on a coarse point or between two; else a quarter
   // of a coarse cell beside one.
   const auto linear = [](const auto& f, bool staggered_x, bool staggered_y, int i, int j) {

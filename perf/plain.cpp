@@ -247,7 +247,7 @@ void vof_sweep(CellField& grains, const Field<face>& velocity, double dt_h, cons
       const double net = flux(i + di, j + dj) - flux(i, j);
       grains(i, j) = without_wisps(grains(i, j) - net + dilation * dt_h, 1);
     }
-  fill_vof_halo(false, {0, grains.ny()}, grains);
+  fill_vof_halo({}, {0, grains.ny()}, grains);
 }
 template void vof_sweep(CellField&, const XFaceField&, double, const DilationOwner&, XFaceField&);
 template void vof_sweep(CellField&, const YFaceField&, double, const DilationOwner&, YFaceField&);

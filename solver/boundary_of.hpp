@@ -14,6 +14,7 @@ Boundary boundary_of(const Scene& scene);
 struct OpenFace {
   int face;
   double open;
+  bool operator==(const OpenFace&) const = default;
 };
 /// The faces of an orifice along its side; ends within 1e-6 of a cell edge lie on it.
 std::vector<OpenFace> faces_of(const Orifice& orifice, const Patch& patch);

@@ -25,7 +25,8 @@ class FluidityStage {
 template <class T>
 class Fluidity final : public FluidityStage {
  public:
-  Fluidity(const Scene& scene, const Patch& patch, const Boundary& boundary, const Geometry* geometry)
+  Fluidity(const Scene& scene, const Patch& patch, const Boundary& boundary,
+           const Geometry* geometry = nullptr)
       : closure_(scene.nonlocal->closure), zero_at_walls_(scene.nonlocal->walls == FluidityWall::zero),
         eta_max_(scene.rheology.eta_max), tolerance_(scene.accuracy.fluidity_tolerance),
         max_iterations_(scene.accuracy.max_iterations), multigrid_(patch, boundary, 2), krylov_(patch),

@@ -127,9 +127,9 @@ struct Feed {
 };
 
 struct Air {
-  AirModel model = AirModel::passive;
   double density = 1e-3;      ///< [M/L^2] > 0
   double viscosity = 0.0164;  ///< eta [M/T] > 0
+  AirModel model = AirModel::passive;
   bool operator==(const Air&) const = default;
 };
 

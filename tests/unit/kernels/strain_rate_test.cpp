@@ -34,7 +34,7 @@ void expect_everywhere(const CellField& f, double value) {
 
 void smooth_in_place(double* row, int n, const SmoothingPass& pass, bool periodic) {
   const std::vector<double> before(row, row + n);
-  smooth_row(before.data(), n, pass, periodic, row);
+  smooth_row(before.data(), n, pass, Ends{periodic}, row);
 }
 
 /// All passes over a field, as the solver makes them.

@@ -23,20 +23,28 @@ using Faces = std::vector<double>;
 
 TEST_CASE("an orifice opens the faces between its edges, on any side") {
   const Patch p = square(8, {}).patch();
-  const FaceRange bottom = faces_of({Side::bottom, 4, 2}, p);
-  CHECK((bottom.first == 3 && bottom.last == 5));
-  const FaceRange whole = faces_of({Side::left, 4, 8}, p);
-  CHECK((whole.first == 0 && whole.last == 8));
-  const FaceRange odd = faces_of({Side::right, 2.5, 1}, p);
-  CHECK((odd.first == 2 && odd.last == 3));
-  const FaceRange rounded = faces_of({Side::top, 4, 1.9999999}, p);
-  CHECK((rounded.first == 3 && rounded.last == 5));
+  CHECK(faces_of({Side::bottom, 4, 2}, p) == std::vector<OpenFace>{{3, 1}, {4, 1}});
+  CHECK(faces_of({Side::left, 4, 8}, p).size() == 8);
+  CHECK(faces_of({Side::right, 2.5, 1}, p) == std::vector<OpenFace>{{2, 1}});
+  CHECK(faces_of({Side::top, 4, 1.9999999}, p) == std::vector<OpenFace>{{3, 1}, {4, 1}});
+  CHECK(faces_of({Side::bottom, 4.25, 2}, p) == std::vector<OpenFace>{{3, 0.75}, {4, 1}, {5, 0.25}});
+  CHECK(faces_of({Side::bottom, 0, 3}, p) == std::vector<OpenFace>{{0, 1}, {1, 0.5}});  // about a mirror plane
 
   const Boundary b = boundary_of(square(8, {{Side::bottom, 4, 2}, {Side::left, 6.5, 1}}));
   CHECK(b.bottom.open == Faces{0, 0, 0, 1, 1, 0, 0, 0});
   CHECK(b.left.open == Faces{0, 0, 0, 0, 0, 0, 1, 0});
   CHECK(b.top.open == Faces(8, 1));
   CHECK(b.any_open());
+}
+
+TEST_CASE("orifices that meet within a face share it; its corners stand between wall, edge and opening") {
+  const Scene s = square(8, {{Side::bottom, 2.75, 1.5}, {Side::bottom, 4.5, 2}});  // to 3.5, and from there to 5.5
+  const Boundary b = boundary_of(s);
+  CHECK(b.bottom.open == Faces{0, 0, 1, 1, 1, 0.5, 0, 0});
+  CHECK(shares_of(s.orifices[0], b, s.patch()) == std::vector<OpenFace>{{2, 1}, {3, 0.5}});
+  CHECK(shares_of(s.orifices[1], b, s.patch()) == std::vector<OpenFace>{{3, 0.5}, {4, 1}, {5, 1}});
+  CHECK(b.bottom.shear == Faces{2, 2, 1, 0, 0, 0.5, 1.5, 2, 2});
+  CHECK(b.with_partly_open().bottom.open == Faces{0, 0, 1, 1, 1, 0.5, 0, 0});
 }
 
 TEST_CASE("shear weights: 2 on a no-slip wall, 0 where it slips or is open, the rule's at an edge") {
