@@ -11,6 +11,7 @@
 #include "io/scene_reader.hpp"
 #include "io/scene_writer.hpp"
 #include "io/yaml_tree.hpp"
+#include "solver/solids.hpp"
 
 namespace hourglass {
 
@@ -156,6 +157,7 @@ Loaded load_scene(const std::filesystem::path& path, const std::vector<std::stri
   visit_scene(reader, scene);
   reader.finish(root);
   apply_scales(scene, root, reader.findings);
+  open_outlet(scene);
 
   struct Placed {
     int line;
