@@ -30,7 +30,11 @@ bool cross_each_other(const Point& a, const Point& b, const Point& c, const Poin
 
 /// Between two edges.
 Way way(const Point& a, const Point& b, const Point& c, const Point& d) {
-  if (cross_each_other(a, b, c, d)) return {0, a, a};
+  if (cross_each_other(a, b, c, d)) {
+    const double t = turn(c, d, a) / (turn(c, d, a) - turn(c, d, b));
+    const Point at{a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])};
+    return {0, at, at};
+  }
   const auto less = [](const Way& one, const Way& other) { return one.length < other.length; };
   return std::min({way(a, c, d), way(b, c, d), way(c, a, b), way(d, a, b)}, less);
 }
@@ -118,7 +122,7 @@ std::optional<Point> crossing(const Polygon& p, double tolerance) {
     const Point &a = p[i], &b = p[(i + 1) % n], &c = p[(i + 2) % n];
     if (way(c, a, b).length <= tolerance || way(a, b, c).length <= tolerance) return c;
     for (std::size_t j = i + 2; j < n && j + 1 < n + i; ++j)
-      if (way(a, b, p[j], p[(j + 1) % n]).length <= tolerance) return p[j];
+      if (const Way one = way(a, b, p[j], p[(j + 1) % n]); one.length <= tolerance) return one.to;
   }
   return std::nullopt;
 }
@@ -238,8 +242,9 @@ void check_gaps(const Scene& s, const std::vector<Body>& bodies, Problems& p) {
 class Ways {
  public:
   struct Region {
-    bool opening = false, grains = false;
-    long cells = 0;
+    bool opening = false,
+         way_out = false;  ///< a way out is an opening that gravity does not keep grains from
+    long cells = 0, grains = 0;
     Point inside{};
   };
 
@@ -253,14 +258,16 @@ class Ways {
         if (!solid_[at(i, j)] && region_[at(i, j)] < 0) flood(i, j);
     for (std::size_t side = 0; side < 4; ++side)
       if (s_.walls[side] == Wall::open)
-        open(static_cast<Side>(side), -1, std::numeric_limits<double>::infinity());
-    for (const Orifice& o : s_.orifices) open(o.wall, o.centre - o.width / 2, o.centre + o.width / 2);
+        open(static_cast<Side>(side), -1, std::numeric_limits<double>::infinity(),
+             leaves_over(s_, static_cast<Side>(side)));
+    for (const Orifice& o : s_.orifices) open(o.wall, o.centre - o.width / 2, o.centre + o.width / 2, true);
   }
 
   /// Whether grains have a way to this orifice.
   bool feeds(const Orifice& o) {
     bool fed = false;
-    each_along(o.wall, o.centre - o.width / 2, o.centre + o.width / 2, [&](Region& r) { fed |= r.grains; });
+    each_along(o.wall, o.centre - o.width / 2, o.centre + o.width / 2,
+               [&](Region& r) { fed |= r.grains > 0; });
     return fed;
   }
   const std::vector<Region>& regions() const { return regions_; }
@@ -321,7 +328,7 @@ class Ways {
       front.pop_back();
       ++region.cells;
       const double y = patch_.y_centre(j);
-      region.grains |= painted(s_, patch_.x_centre(i), y) >= 0 || (s_.feed && y < s_.feed->level);
+      region.grains += painted(s_, patch_.x_centre(i), y) >= 0 || (s_.feed && y < s_.feed->level);
       if (i + 1 < patch_.nx) enter(i + 1, j, wall_[0][at(i, j)]);
       if (i > 0) enter(i - 1, j, wall_[0][at(i - 1, j)]);
       if (j + 1 < patch_.ny) enter(i, j + 1, wall_[1][at(i, j)]);
@@ -342,8 +349,8 @@ class Ways {
       if (region >= 0) visit(regions_[region]);
     }
   }
-  void open(Side side, double from, double to) {
-    each_along(side, from, to, [](Region& r) { r.opening = true; });
+  void open(Side side, double from, double to, bool way_out) {
+    each_along(side, from, to, [&](Region& r) { r.opening = true, r.way_out |= way_out; });
   }
 
   const Scene& s_;
@@ -357,39 +364,52 @@ class Ways {
 void check_ways(const Scene& s, Problems& p) {
   Ways ways(s);
   const char* cause = s.inserts.empty() ? "hopper" : "inserts";
-  bool grains = false, opening = false, led_out = false;
-  for (const Ways::Region& r : ways.regions())
-    grains |= r.grains, opening |= r.opening, led_out |= r.grains && r.opening;
-  if (!grains) {
+  const auto larger = [](const Ways::Region& a, const Ways::Region& b) { return a.cells < b.cells; };
+  const auto largest = std::max_element(ways.regions().begin(), ways.regions().end(), larger);
+  bool opening = false, way_out = false, opened = false, led_out = false;
+  long grains = 0, kept = 0, cut_off = 0;  // cells
+  const Ways::Region* pocket = nullptr;
+  for (const Ways::Region& r : ways.regions()) {
+    opening |= r.opening, way_out |= r.way_out;
+    opened |= r.opening && r.grains > 0, led_out |= r.way_out && r.grains > 0;
+    grains += r.grains;
+  }
+  if (grains == 0) {
     p.error("fill", "all of its grains lie inside of solids. Move it, or the solids.");
     return;
   }
-  bool cut_off = false;
+  bool starved = false;
   for (std::size_t k = 0; k < s.orifices.size(); ++k)
     if (!ways.feeds(s.orifices[k])) {
       p.error(
           fmt::format("orifices.{}", k),
           "is cut off from all grains by solids (a way at least 2 cells wide has to lead to it). Move the "
           "solids apart.");
-      cut_off = true;
+      starved = true;
     }
-  if (opening && !led_out && !cut_off)
+  if (starved) return;
+  if ((opening && !opened) || (way_out && !led_out)) {
     p.error(cause,
             "close the silo: grains have no way to an orifice or an open side (at least 2 cells wide). "
             "Move the solids apart.");
-  const auto larger = [](const Ways::Region& a, const Ways::Region& b) { return a.cells < b.cells; };
-  const auto largest = std::max_element(ways.regions().begin(), ways.regions().end(), larger);
-  long cells = 0;
-  const Ways::Region* pocket = nullptr;
-  for (const Ways::Region& r : ways.regions()) {
-    if ((opening ? r.opening : &r == &*largest) || r.cells < 4) continue;  // fewer: the ends of a wedge
-    cells += r.cells;
-    if (!pocket || larger(*pocket, r)) pocket = &r;
+    return;
   }
-  if (pocket && !cut_off && (led_out || !opening))
+  for (const Ways::Region& r : ways.regions()) {
+    if (r.cells < 4) continue;  // the end of a wedge
+    if (opening ? r.opening : &r == &*largest) {
+      if (!r.way_out) kept += r.grains;
+    } else {
+      cut_off += r.cells;
+      if (!pocket || larger(*pocket, r)) pocket = &r;
+    }
+  }
+  if (way_out && kept > 0)
+    p.warn(cause, fmt::format("{:.0f} % of the grains have no way out: solids are between them and every {}.",
+                              100.0 * kept / grains, s.orifices.empty() ? "open side" : "orifice"));
+  if (pocket)
     p.warn(cause,
            fmt::format("an area of {:.4g} about [{:.4g}, {:.4g}] is cut off from {} and treated as solid.",
-                       cells * ways.cell_area(), pocket->inside[0], pocket->inside[1],
+                       cut_off * ways.cell_area(), pocket->inside[0], pocket->inside[1],
                        opening ? "every opening" : "the rest of the domain"));
 }
 

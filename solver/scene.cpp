@@ -393,10 +393,8 @@ void check_modules(const Scene& s, Problems& p) {
 
 /// Through an orifice, or over an open side that gravity does not keep them from.
 bool grains_can_leave(const Scene& s) {
-  const std::array<double, 4> outward{-s.gravity[0], s.gravity[0], -s.gravity[1],
-                                      s.gravity[1]};  // g along the normal
-  for (std::size_t side = 0; side < 4; ++side)
-    if (s.walls[side] == Wall::open && outward[side] >= 0) return true;
+  for (const Side side : {Side::left, Side::right, Side::bottom, Side::top})
+    if (leaves_over(s, side)) return true;
   return !s.orifices.empty();
 }
 
@@ -466,6 +464,12 @@ std::string cells_for(const Scene& s, double size, double cells, const char* or_
   if (least > 1e6) return or_else;
   const int n = nearest_count(s, static_cast<int>(std::ceil(least - 1e-9)), +1);
   return fmt::format("cells_x >= {}", n ? n : static_cast<int>(std::ceil(least)));
+}
+
+bool leaves_over(const Scene& s, Side side) {
+  const std::array<double, 4> outward{-s.gravity[0], s.gravity[0], -s.gravity[1],
+                                      s.gravity[1]};  // g along the normal
+  return s.wall(side) == Wall::open && outward[static_cast<std::size_t>(side)] >= 0;
 }
 
 int painted(const Scene& s, double x, double y) {

@@ -49,6 +49,9 @@ std::string cells_for(const Scene& scene, double size, double cells, const char*
 /// The material that the fills paint at a point; -1: air.
 int painted(const Scene& scene, double x, double y);
 
+/// Whether a side is open and gravity does not keep grains from leaving over it.
+bool leaves_over(const Scene& scene, Side side);
+
 /// Walls, the middle of the domain, orifices. `domain_sound`: there is a grid.
 void check_openings(const Scene& scene, bool domain_sound, Problems& problems);
 
