@@ -89,7 +89,7 @@ void visit_scene(Visitor& v, Scene& s) {
     if (v.choice("shape", i.shape, shape_names, "a word, e.g. circle"))
       visit_measures(v, i);
     else
-      v.ignore({"centre", "width", "height", "diameter", "points"});
+      v.skip({"centre", "width", "height", "diameter", "points"});
   });
   v.module("hopper", s.hopper, [&](Hopper& h) {
     v.number("half_angle", h.half_angle, "of the walls against the vertical, in degrees, e.g. 30");

@@ -216,9 +216,10 @@ class SceneReader {
 
   bool has(const char* key) { return here().node && here().node->find(key); }
 
-  /// Keys that nothing is said about.
-  void ignore(std::initializer_list<const char*> keys) {
-    here().ignored.insert(here().ignored.end(), keys.begin(), keys.end());
+  /// Keys that nothing can be said about, nor about what they would have set.
+  void skip(std::initializer_list<const char*> keys) {
+    ignore(keys);
+    skipped.push_back(here().path);
   }
   /// Keys of other shapes, if they are not those of this one.
   void foreign(std::initializer_list<const char*> keys) {
@@ -248,6 +249,7 @@ class SceneReader {
   }
 
   std::vector<Finding> findings;
+  std::vector<std::string> skipped;  ///< paths of maps that were not read
 
  private:
   struct Level {
@@ -264,6 +266,10 @@ class SceneReader {
   };
 
   Level& here() { return levels_.back(); }
+
+  void ignore(std::initializer_list<const char*> keys) {
+    here().ignored.insert(here().ignored.end(), keys.begin(), keys.end());
+  }
 
   void report(const YamlNode& node, const std::string& key, std::string message) {
     findings.push_back({&node, join(here().path, key), std::move(message)});

@@ -87,7 +87,7 @@ class SceneWriter {
   }
   void points(const char* key, const std::vector<std::array<double, 2>>& p) { line(key, listed(p)); }
   bool has(const char*) { return false; }  // alternatives are not written
-  void ignore(std::initializer_list<const char*>) {}
+  void skip(std::initializer_list<const char*>) {}
   void foreign(std::initializer_list<const char*>) {}
 
  private:

@@ -160,15 +160,14 @@ bool check_insert(const Scene& s, std::size_t k, bool domain_sound, Problems& p)
                                             (*at)[0], (*at)[1]));
       return false;
     }
-  if (area(part_in(outline, 0, 0, s.width, s.height)) <= 1e-12 * s.width * s.height) {
-    p.error(path, fmt::format("lies outside the domain (x 0 to {}, y 0 to {}). Move it inside, or remove it.",
-                              s.width, s.height));
-    return false;
-  }
   const double across = circle ? insert.width : narrowest(outline);
   if (across < (2 - edge_tolerance) * h)
     p.error(path, fmt::format("is {:.3g} cells across (must be at least 2). Use {}, or make it larger.",
                               across / h, cells_for(s, across, 2, "a finer grid")));
+  else if (area(part_in(outline, 0, 0, s.width, s.height)) <= 1e-12 * s.width * s.height) {
+    p.error(path, fmt::format("lies outside the domain (x 0 to {}, y 0 to {}). Move it inside, or remove it.",
+                              s.width, s.height));
+  }
   return p.is_sound(path);
 }
 

@@ -147,11 +147,12 @@ std::array<double, 2> outlet_of(const Scene& scene) {
   return {middle - scene.hopper->outlet / 2, middle + scene.hopper->outlet / 2};
 }
 
-void open_outlet(Scene& scene) {
+bool open_outlet(Scene& scene) {
   const auto at_bottom = [](const Orifice& o) { return o.wall == Side::bottom; };
-  if (!scene.hopper || std::any_of(scene.orifices.begin(), scene.orifices.end(), at_bottom)) return;
+  if (!scene.hopper || std::any_of(scene.orifices.begin(), scene.orifices.end(), at_bottom)) return false;
   const auto [from, to] = outlet_of(scene);
   scene.orifices.push_back({Side::bottom, (from + to) / 2, to - from});
+  return true;
 }
 
 }  // namespace hourglass

@@ -33,7 +33,8 @@ std::vector<Polygon> solids_of(const Scene& scene);
 /// The hopper's outlet [from, to] along the bottom of the domain and beyond a left edge that is its middle.
 std::array<double, 2> outlet_of(const Scene& scene);
 
-/// Makes the hopper's outlet an orifice if there is a hopper and the scene names no orifice at the bottom.
-void open_outlet(Scene& scene);
+/// Makes the hopper's outlet the last orifice if there is a hopper and the scene names no orifice at the bottom; says
+/// whether it did.
+bool open_outlet(Scene& scene);
 
 }  // namespace hourglass

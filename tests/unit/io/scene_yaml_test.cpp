@@ -437,6 +437,10 @@ TEST_CASE("hopper, feed, symmetry, coordinates, air and solids models: read, wri
 
   expect(11, "hopper: {half_angle: 40}", {"bad.yaml:11 hopper.outlet: is missing"});
   expect(11, "hopper: {outlet: 20, half_angle: 90}", {"hopper.half_angle: 90 is out of range"});
+  const File narrow("hopper: {half_angle: 40, outlet: 1.5}\n" +
+                    sound_with(9, "  - {wall: right, centre: 130, width: 18.75}"));
+  CHECK_THAT(messages(load_scene(narrow.path())),
+             Catch::Contains("bad.yaml:1 hopper.outlet: the neck is 1.28 cells wide"));
   expect(11, "feed: {level: 100}", {"bad.yaml:11 feed.material: is missing (the name of a material)"});
   expect(11, "feed: {material: gravel, level: 100}", {"feed.material: found the text 'gravel'"});
   expect(11, "feed: {material: air, level: 100}", {"feed.material: is not a material"});

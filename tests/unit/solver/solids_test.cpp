@@ -2,7 +2,6 @@
 #include "solver/solids.hpp"
 
 #include <catch2/catch.hpp>
-#include <chrono>
 #include <functional>
 #include <limits>
 
@@ -158,7 +157,7 @@ TEST_CASE("the outlet of a hopper is an orifice if there is none at the bottom")
   CHECK(s.orifices.size() == 1);  // its own stays
   expect_clean(s);
   s.orifices = {{Side::right, 140, 12}};
-  open_outlet(s);
+  CHECK(open_outlet(s));
   REQUIRE(s.orifices.size() == 2);
   CHECK(s.orifices[1] == Orifice{Side::bottom, 75, 20});
   s.symmetry = Symmetry::mirror;
@@ -203,6 +202,8 @@ TEST_CASE("inserts: sizes, corners, place") {
          {"lies outside the domain (x 0 to 150, y 0 to 150). Move it inside, or remove it."});
   expect(with({solid(Shape::square, 75, 60, 30), solid(Shape::circle, 75, 100, 1.5)}), "inserts.1",
          {"is 1.28 cells across (must be at least 2). Use cells_x >= 200, or make it larger."});
+  expect(with({solid(Shape::rectangle, 75, 100, 1e-300, 20)}), "inserts.0",
+         {"is 0 cells across (must be at least 2). Use a finer grid, or make it larger."});
   expect(with({polygon({{40, 60}, {80, 100}, {81, 100}, {41, 60}})}), "inserts.0",
          {"is 0.603 cells across"});  // a slanted plate
 }
@@ -361,18 +362,12 @@ TEST_CASE("feed: a material, and a level in the domain") {
   expect(s, "feed.material", {"is not a material"});
 }
 
-TEST_CASE("thirty inserts of all shapes are checked at once, in no time") {
+TEST_CASE("thirty inserts of all shapes") {
   std::vector<Insert> all;
   for (int k = 0; k < 30; ++k) {
     const double x = 15 + 24 * (k % 6), y = 30 + 20 * (k / 6);
     all.push_back(k % 7 == 6 ? polygon(star(x, y, 8, 4, 100))
                              : solid(static_cast<Shape>(k % 7), x, y, 12, k % 7 == 0 || k % 7 == 5 ? 0 : 12));
   }
-  const Scene s = with(all);
-  expect_clean(s);
-  const auto start = std::chrono::steady_clock::now();
-  check(s);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  INFO(seconds << " s");
-  CHECK(seconds < 0.5);  // about 5 ms
+  expect_clean(with(all));
 }
