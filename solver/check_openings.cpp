@@ -1,3 +1,4 @@
+// Openings in messages: walls, orifices, a left edge that is the middle of the domain, the outlet of a hopper.
 #include "solver/scene_checks.hpp"
 #include "solver/solids.hpp"
 

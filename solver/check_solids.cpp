@@ -1,3 +1,4 @@
+// Solids in messages: their sizes, the gaps between them, and by flood fill the ways that they leave to grains.
 #include <array>
 #include <limits>
 #include <optional>
@@ -164,10 +165,9 @@ bool check_insert(const Scene& s, std::size_t k, bool domain_sound, Problems& p)
   if (across < (2 - edge_tolerance) * h)
     p.error(path, fmt::format("is {:.3g} cells across (must be at least 2). Use {}, or make it larger.",
                               across / h, cells_for(s, across, 2, "a finer grid")));
-  else if (area(part_in(outline, 0, 0, s.width, s.height)) <= 1e-12 * s.width * s.height) {
+  else if (area(part_in(outline, 0, 0, s.width, s.height)) <= 1e-12 * s.width * s.height)
     p.error(path, fmt::format("lies outside the domain (x 0 to {}, y 0 to {}). Move it inside, or remove it.",
                               s.width, s.height));
-  }
   return p.is_sound(path);
 }
 
@@ -209,7 +209,7 @@ void check_gaps(const Scene& s, const std::vector<Body>& bodies, Problems& p) {
     for (std::size_t other = 0; other < bodies.size(); ++other) {
       if (other >= k && !bodies[other].hopper) continue;  // each pair once, at its later insert
       const Way between = gap(body, bodies[other], least);
-      report(body, between, between.length, bodies[other].path);
+      report(body, between, between.length, bodies[other].hopper ? "the hopper" : bodies[other].path);
     }
     if (periodic)
       for (std::size_t other = 0; other < bodies.size(); ++other)
@@ -241,8 +241,8 @@ void check_gaps(const Scene& s, const std::vector<Body>& bodies, Problems& p) {
 class Ways {
  public:
   struct Region {
-    bool opening = false,
-         way_out = false;  ///< a way out is an opening that gravity does not keep grains from
+    bool opening = false;
+    bool way_out = false;  ///< an opening that gravity does not keep grains from
     long cells = 0, grains = 0;
     Point inside{};
   };

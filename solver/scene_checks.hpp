@@ -32,9 +32,10 @@ class Problems {
   }
 
   /// Whether nothing at this path or below it is wrong so far.
-  bool is_sound(std::string_view path) const {
-    return std::none_of(list.begin(), list.end(),
-                        [&](const Problem& p) { return p.fatal && p.path.starts_with(path); });
+  bool is_sound(const std::string& path) const {
+    return std::none_of(list.begin(), list.end(), [&](const Problem& p) {
+      return p.fatal && (p.path == path || p.path.starts_with(path + "."));
+    });
   }
 
   std::vector<Problem> list;

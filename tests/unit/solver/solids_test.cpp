@@ -229,7 +229,7 @@ TEST_CASE("gaps are closed or two cells wide") {
   Scene s = with({solid(Shape::circle, 75, 30, 20)});
   s.hopper = Hopper{30, 18.75};
   s.inserts[0].centre[0] = 75 + 9.375 + 30 * std::tan(M_PI / 6) - (10 + 1.5) / std::cos(M_PI / 6);
-  expect(s, "inserts.0", {"the gap to hopper is 1.28 cells wide"});
+  expect(s, "inserts.0", {"the gap to the hopper is 1.28 cells wide"});
 
   s = with({solid(Shape::square, 10.75, 60, 20)});
   s.symmetry = Symmetry::mirror;
