@@ -1,5 +1,6 @@
 #pragma once
 // What the sides of a patch do, face by face, and the halo fills that follow from it.
+#include <algorithm>
 #include <vector>
 
 #include "kernels/field.hpp"
@@ -21,13 +22,23 @@ struct SideFaces {
 /// Shear, seen as a ghost value: tangential velocity outside = ghost_factor * inside.
 inline double ghost_factor(double shear_weight) { return 1 - shear_weight; }
 
+/// What lies beyond the ends of a row: its other end, or its mirror image beyond the left one.
+struct Ends {
+  bool periodic = false, mirror = false;
+};
+
 struct Boundary {
   SideFaces left, right, bottom, top;
   bool periodic_x = false;
+  bool mirror_left =
+      false;  ///< the left side is the middle of what is meant: a plane of symmetry, or the axis
 
   /// The same boundary seen by the patch with half the cells: open shares and shear weights are averaged, so
   /// an orifice thinner than a coarse cell stays open on it.
   Boundary coarser() const;
+  Ends ends() const { return {periodic_x, mirror_left}; }
+  /// The same with every face that is open at all open enough to carry an unknown.
+  Boundary with_partly_open() const;
   /// Whether a boundary face carries an unknown normal velocity on this level.
   static bool unknown(double open) { return open >= 0.5; }
   bool any_open() const;
@@ -48,8 +59,19 @@ inline SideFaces coarser(const SideFaces& s, bool periodic = false) {
 }
 
 inline Boundary Boundary::coarser() const {
-  return {hourglass::coarser(left), hourglass::coarser(right), hourglass::coarser(bottom, periodic_x),
-          hourglass::coarser(top, periodic_x), periodic_x};
+  return {hourglass::coarser(left),
+          hourglass::coarser(right),
+          hourglass::coarser(bottom, periodic_x),
+          hourglass::coarser(top, periodic_x),
+          periodic_x,
+          mirror_left};
+}
+
+inline Boundary Boundary::with_partly_open() const {
+  Boundary all = *this;
+  for (SideFaces* side : {&all.left, &all.right, &all.bottom, &all.top})
+    for (double& open : side->open) open = open > 0 ? std::max(open, 0.5) : 0;
+  return all;
 }
 
 inline bool Boundary::any_open() const {
@@ -68,6 +90,20 @@ void wrap_row(T* row, int period) {
   row[period + 1] = row[1];
 }
 
+/// Reflects one row of cells about its left end.
+template <class T>
+void mirror_row(T* row, int cells) {
+  row[-1] = row[0];
+  row[-2] = row[std::min(1, cells - 1)];
+}
+
+/// Halo of one row of cells beyond such ends; elsewhere it stays as it is.
+template <class T>
+void fill_ends(Ends ends, T* row, int cells) {
+  if (ends.periodic) wrap_row(row, cells);
+  if (ends.mirror) mirror_row(row, cells);
+}
+
 /// Halo of a velocity for advection and strain rates, two layers: ghost_factor * inside for the tangential
 /// component, zero gradient for the normal one, wrapped where periodic. Call from one member.
 inline void fill_velocity_halo(const Boundary& b, XFaceField& u, YFaceField& v) {
@@ -79,7 +115,8 @@ inline void fill_velocity_halo(const Boundary& b, XFaceField& u, YFaceField& v) 
       wrap_row(r, nx);
       r[nx + 2] = r[2 % nx];
     } else {
-      r[-1] = r[-2] = r[0];
+      r[-1] = b.mirror_left ? -r[1] : r[0];
+      r[-2] = b.mirror_left ? -r[std::min(2, nx)] : r[0];
       r[nx + 1] = r[nx + 2] = r[nx];
     }
   }
@@ -89,11 +126,12 @@ inline void fill_velocity_halo(const Boundary& b, XFaceField& u, YFaceField& v) 
       wrap_row(r, nx);
     } else {
       r[-1] = r[-2] = ghost_factor(b.left.shear[j]) * r[0];
+      if (b.mirror_left) mirror_row(r, nx);
       r[nx] = r[nx + 1] = ghost_factor(b.right.shear[j]) * r[nx - 1];
     }
   }
   for (int i = -halo; i <= nx + halo; ++i) {
-    const int k = b.periodic_x ? (i + 2 * nx) % nx : i < 0 ? 0 : i > nx ? nx : i;
+    const int k = b.periodic_x ? (i + 2 * nx) % nx : i < 0 ? (b.mirror_left ? -i : 0) : i > nx ? nx : i;
     u(i, -1) = u(i, -2) = ghost_factor(b.bottom.shear[k]) * u(i, 0);
     u(i, ny) = u(i, ny + 1) = ghost_factor(b.top.shear[k]) * u(i, ny - 1);
   }
@@ -113,6 +151,7 @@ void fill_cell_halo(const Boundary& b, CellFieldOf<T>& c) {
       r[-k] = b.periodic_x ? r[nx - k] : r[0];
       r[nx - 1 + k] = b.periodic_x ? r[k - 1] : r[nx - 1];
     }
+    if (b.mirror_left) mirror_row(r, nx);
   }
   for (int k = 1; k <= halo; ++k)
     for (int i = -halo; i < nx + halo; ++i) {

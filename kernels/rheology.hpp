@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "kernels/boundary.hpp"
+#include "kernels/geometry.hpp"
 #include "kernels/granular_laws.hpp"
 #include "kernels/team.hpp"
 #include "kernels/viscous.hpp"
@@ -158,6 +159,47 @@ void corner_viscosity_row(const CellFieldOf<T>& eta_c, const Boundary& boundary,
       out[nx] = mean(nx - 1, nx - 1) * T(0.5 * (boundary.right.shear[j] + side.shear[nx]));
     }
   }
+}
+
+/// The same beside solids: the mean is one over open cells, and weighs as much as the corner's control volume is open. in:
+/// eta of the interior.
+template <class T>
+void corner_viscosity_row(const CellField& eta, const Geometry& geometry, const Boundary& boundary,
+                          bool harmonic, int j, CornerFieldOf<T>& eta_n) {
+  const int nx = eta.nx(), ny = eta.ny(), jb = std::max(j - 1, 0), ja = std::min(j, ny - 1);
+  const double *below = eta.row(jb), *above = eta.row(ja);
+  const double *open_below = geometry.volume.row(jb), *open_above = geometry.volume.row(ja);
+  const double* open = geometry.corner_volume.row(j);
+  T* __restrict out = eta_n.row(j);
+  const auto mean = [&](int l, int r) {
+    const double a = open_below[l], b = open_below[r], c = open_above[l], d = open_above[r];
+    const double sum = (a + b) + (c + d);
+    const double part = harmonic ? (a / below[l] + b / below[r]) + (c / above[l] + d / above[r])
+                                 : (a * below[l] + b * below[r]) + (c * above[l] + d * above[r]);
+    const double least = std::numeric_limits<double>::min();
+    return harmonic ? sum / std::max(part, least) : part / std::max(sum, least);
+  };
+  const auto weighted = [&](int i, int l, int r, double shear) {
+    out[i] = static_cast<T>(shear * open[i] * mean(l, r));
+  };
+  if (j > 0 && j < ny) {
+#pragma omp simd
+    for (int i = 1; i < nx; ++i) out[i] = static_cast<T>(open[i] * mean(i - 1, i));
+  } else {
+    const SideFaces& side = j == 0 ? boundary.bottom : boundary.top;
+    for (int i = 1; i < nx; ++i) weighted(i, i - 1, i, side.shear[i]);
+  }
+  const auto end = [&](int i, int cell, const SideFaces& side) {
+    const SideFaces& across = j == 0 ? boundary.bottom : boundary.top;
+    const bool corner = j == 0 || j == ny;  // of the domain: it belongs to two sides
+    if (boundary.periodic_x) {
+      weighted(i, nx - 1, 0, corner ? across.shear[i] : 1);
+    } else {
+      weighted(i, cell, cell, corner ? 0.5 * (side.shear[j] + across.shear[i]) : side.shear[j]);
+    }
+  };
+  end(0, 0, boundary.left);
+  end(nx, nx - 1, boundary.right);
 }
 
 }  // namespace hourglass

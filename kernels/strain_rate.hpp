@@ -58,14 +58,15 @@ inline std::vector<SmoothingPass> smoothing_passes(double length, double h) {
 
 /// One pass in x over a row of numerator or weight: out = a (1 - 2w) + w (a_left + a_right); points outside the
 /// patch are left out of both, so that their ratio stays a mean over the grains inside (boundary-aware).
-inline void smooth_row(const double* __restrict in, int n, SmoothingPass pass, bool periodic,
+inline void smooth_row(const double* __restrict in, int n, SmoothingPass pass, Ends ends,
                        double* __restrict out) {
   const int s = pass.stride;
   const double w = pass.weight, c = 1 - 2 * w;
   const int inner = n > 2 * s ? s : n;  // points 0 .. inner-1 and the last ones look across an end
   const auto end_point = [&](int i) {
     const auto at = [&](int k) {
-      if (periodic) return in[((k % n) + n) % n];
+      if (ends.periodic) return in[((k % n) + n) % n];
+      if (ends.mirror && k < 0) k = -k - 1;
       return k >= 0 && k < n ? in[k] : 0.0;
     };
     out[i] = c * in[i] + w * (at(i - s) + at(i + s));

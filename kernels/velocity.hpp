@@ -64,7 +64,8 @@ Row<const T> row_of(const VelocityOf<T>& f, int k) {
 /// a mirrored problem is smoothed in mirrored order and keeps its symmetry to rounding. In rows with an even number of
 /// points the two at the middle share a colour; they are updated at once from each other's old value.
 struct ColourOfRow {
-  int half, left, right;  ///< points i < half have the colour where (i & 1) == left, the others where (i & 1) == right
+  int half, left,
+      right;  ///< points i < half have the colour where (i & 1) == left, the others where (i & 1) == right
   ColourOfRow(int n, int j, int colour)
       : half(n % 2 == 0 ? n / 2 : n), left((colour + j) & 1), right(n % 2 == 0 ? 1 - left : left) {}
 };

@@ -14,6 +14,7 @@
 // eta_n (SideFaces).
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "kernels/boundary.hpp"
 #include "kernels/team.hpp"
@@ -139,8 +140,14 @@ void residual_viscous_row(const ViscousCoefficients<T>& a, const VelocityOf<X>& 
   map_viscous_row(a, x, k, out, [rhs](int i, X ax) { return rhs[i] - ax; });
 }
 
-/// inverse_diagonal from the other coefficients; fixed faces by the boundary. Rows of this member; sync
-/// after.
+/// 1/x, or 0 where not `moves`; without a branch.
+template <class T>
+T inverse_if(bool moves, T x) {
+  return T(moves) / std::max(x, std::numeric_limits<T>::min());
+}
+
+/// inverse_diagonal from the other coefficients; fixed are faces of the boundary that are walls, and faces without mass,
+/// which lie in solids. Rows of this member; sync after.
 template <class T>
 void fill_inverse_diagonal(Team& team, const Boundary& boundary, ViscousCoefficients<T>& a) {
   const int nx = a.eta_c.nx(), ny = a.eta_c.ny();
@@ -152,7 +159,8 @@ void fill_inverse_diagonal(Team& team, const Boundary& boundary, ViscousCoeffici
       const T* m = a.mass.u.row(j);
       T* __restrict inv = a.inverse_diagonal.u.row(j);
 #pragma omp simd
-      for (int i = 0; i <= nx; ++i) inv[i] = T(1) / (m[i] + T(2) * (ec[i] + ec[i - 1]) + (nn[i] + ns[i]));
+      for (int i = 0; i <= nx; ++i)
+        inv[i] = inverse_if(m[i] > T(0), m[i] + T(2) * (ec[i] + ec[i - 1]) + (nn[i] + ns[i]));
       if (!boundary.periodic_x && !Boundary::unknown(boundary.left.open[j])) inv[0] = 0;
       if (boundary.periodic_x || !Boundary::unknown(boundary.right.open[j]))
         inv[nx] = 0;  // periodic: the same as face 0
@@ -162,7 +170,8 @@ void fill_inverse_diagonal(Team& team, const Boundary& boundary, ViscousCoeffici
     const T* m = a.mass.v.row(j);
     T* __restrict inv = a.inverse_diagonal.v.row(j);
 #pragma omp simd
-    for (int i = 0; i < nx; ++i) inv[i] = T(1) / (m[i] + T(2) * (en[i] + es[i]) + (nc[i + 1] + nc[i]));
+    for (int i = 0; i < nx; ++i)
+      inv[i] = inverse_if(m[i] > T(0), m[i] + T(2) * (en[i] + es[i]) + (nc[i + 1] + nc[i]));
     if (j == 0 || j == ny) {
       const SideFaces& side = j == 0 ? boundary.bottom : boundary.top;
       for (int i = 0; i < nx; ++i)
@@ -210,6 +219,9 @@ void coarsen_viscous(Team& team, const ViscousCoefficients<T>& fine, bool period
       T* __restrict m = coarse.mass.u.row(j);
 #pragma omp simd
       for (int i = 0; i <= nx; ++i) m[i] = T(2) * line[2 * i] + (line[2 * i - 1] + line[2 * i + 1]);
+      const T *m0 = fine.mass.u.row(2 * j), *m1 = fine.mass.u.row(2 * j + 1);
+#pragma omp simd
+      for (int i = 0; i <= nx; ++i) m[i] *= T(m0[2 * i] + m1[2 * i] > T(0));  // solid where both faces are
     }
     const bool inside_y = j > 0 && j < ny;
     {
@@ -223,6 +235,8 @@ void coarsen_viscous(Team& team, const ViscousCoefficients<T>& fine, bool period
 #pragma omp simd
       for (int i = 0; i < nx; ++i)
         m[i] = T(0.75) * (line[2 * i] + line[2 * i + 1]) + T(0.25) * (line[2 * i - 1] + line[2 * i + 2]);
+#pragma omp simd
+      for (int i = 0; i < nx; ++i) m[i] *= T(c[2 * i] + c[2 * i + 1] > T(0));
     }
     // Corners: 1-2-1 along a boundary, 1-2-1 x 1-2-1 inside.
     const T* c = fine.eta_n.row(2 * j);

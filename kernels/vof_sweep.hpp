@@ -16,7 +16,7 @@
 #include <cstdlib>
 #include <span>
 
-#include "kernels/field.hpp"
+#include "kernels/boundary.hpp"
 #include "kernels/plic.hpp"
 #include "kernels/team.hpp"
 
@@ -44,22 +44,23 @@ struct CellsBeside {
   }
 };
 
-// in: c, rows; out: halo of those rows, 1 layer, 2 where periodic, and of the row below or above if row 0 or
+// in: c, rows; out: halo of those rows, 1 layer, 2 where periodic or mirrored, and of the row below or above if row 0 or
 // the last is among the rows (then its neighbour must be too). For reconstruction only: what flows in is air
 // and is set by the fluxes. Linear continuation lets an interface meet a wall at any angle; against a copy of
 // the edge cell it takes the errors beside the walls down by a factor of two to four.
-inline void fill_vof_halo(bool periodic_x, Rows rows, CellField& c) {
+inline void fill_vof_halo(Ends ends, Rows rows, CellField& c) {
   const int nx = c.nx(), ny = c.ny();
   const auto beyond = [](double edge, double inside) { return std::clamp(2 * edge - inside, 0.0, 1.0); };
   for (int j = rows.begin; j < rows.end; ++j) {
     double* row = c.row(j);
-    if (periodic_x) {
+    if (ends.periodic) {
       for (int i = 0; i < halo; ++i) {
         row[i - halo] = row[nx + i - halo];
         row[nx + i] = row[i];
       }
     } else {
       row[-1] = beyond(row[0], row[nx > 1 ? 1 : 0]);
+      if (ends.mirror) mirror_row(row, nx);
       row[nx] = beyond(row[nx - 1], row[nx > 1 ? nx - 2 : 0]);
     }
   }
@@ -194,17 +195,19 @@ inline double without_wisps(double x, double room) {
   return std::abs(x) < wisp ? 0.0 : std::abs(x - room) < wisp ? room : x;
 }
 
-// in: flux [cell areas], velocity [L/T], all faces; owner. in and out: grains, tracers, interior. out:
-// excess[j], by row what lies outside [0, room] [cell areas]. 36 B/cell, and 24 for each tracer.
-template <At face>
+// in: flux [cell areas], velocity [L/T], all faces; owner; inverse_volume of cells, unread where these are `whole`. in and
+// out: grains, tracers, interior. out: excess[j], by row what lies outside [0, room] [shares]. 36 B/cell, and 24 for each
+// tracer.
+template <At face, bool whole>
 void apply_fluxes(std::span<const Field<face>> flux, const Field<face>& velocity, double dt_h,
-                  const DilationOwner& owner, Rows rows, CellField& grains, std::span<CellField> tracers,
-                  RowSums& excess) {
+                  const DilationOwner& owner, const CellField& inverse_volume, Rows rows, CellField& grains,
+                  std::span<CellField> tracers, RowSums& excess) {
   const int nx = grains.nx();
   for (int j = rows.begin; j < rows.end; ++j) {
     const auto upper = [j](const Field<face>& f) { return face == At::xface ? f.row(j) + 1 : f.row(j + 1); };
     const double *u_lower = velocity.row(j), *u_upper = upper(velocity);
     const int* o = owner.row(j);
+    const double* inverse = whole ? nullptr : inverse_volume.row(j);
     double outside = 0;
     for (int first = 0; first < nx; first += vof_block) {
       const int last = std::min(first + vof_block, nx);
@@ -214,7 +217,8 @@ void apply_fluxes(std::span<const Field<face>> flux, const Field<face>& velocity
 #pragma omp simd reduction(+ : outside)
       for (int i = first; i < last; ++i) {
         const double dilation = o[i] > 0 ? u_upper[i] - u_lower[i] : 0.0;
-        const double x = without_wisps(c[i] - (F_upper[i] - F_lower[i]) + dilation * dt_h, 1);
+        const double v = whole ? 1.0 : inverse[i];
+        const double x = without_wisps(c[i] - v * (F_upper[i] - F_lower[i]) + v * (dilation * dt_h), 1);
         outside += std::max(0.0, std::abs(x - 0.5) - 0.5);
         c[i] = x;
       }
@@ -226,7 +230,9 @@ void apply_fluxes(std::span<const Field<face>> flux, const Field<face>& velocity
 #pragma omp simd reduction(+ : outside)
         for (int i = first; i < last; ++i) {
           const double dilation = o[i] == name ? u_upper[i] - u_lower[i] : 0.0;
-          const double x = without_wisps(f[i] - (G_upper[i] - G_lower[i]) + dilation * dt_h, room[i - first]);
+          const double v = whole ? 1.0 : inverse[i];
+          const double x =
+              without_wisps(f[i] - v * (G_upper[i] - G_lower[i]) + v * (dilation * dt_h), room[i - first]);
           outside += std::max(0.0, std::abs(x - 0.5 * room[i - first]) - 0.5 * room[i - first]);
           f[i] = x;
           room[i - first] -= x;

@@ -1,16 +1,23 @@
 #pragma once
+#include <vector>
+
 #include "kernels/boundary.hpp"
 #include "solver/scene.hpp"
 
 namespace hourglass {
 
-/// The boundary of a scene's domain, face by face: walls, openings, and the rule at orifice edges.
+/// The boundary of a scene's domain, face by face: walls, openings, and the rule at orifice edges. Ends of orifices may
+/// lie within a face.
 Boundary boundary_of(const Scene& scene);
 
-/// Boundary faces [first, last) of an orifice along its side.
-struct FaceRange {
-  int first, last;
+/// A boundary face and how much of it an orifice opens.
+struct OpenFace {
+  int face;
+  double open;
 };
-FaceRange faces_of(const Orifice& orifice, const Patch& patch);
+/// The faces of an orifice along its side; ends within 1e-6 of a cell edge lie on it.
+std::vector<OpenFace> faces_of(const Orifice& orifice, const Patch& patch);
+/// The same in shares of what all orifices together open of the face.
+std::vector<OpenFace> shares_of(const Orifice& orifice, const Boundary& boundary, const Patch& patch);
 
 }  // namespace hourglass

@@ -38,8 +38,8 @@ CellField well_posed_cells(const Scene& scene, const Fields& fields, const Rheol
   return out;
 }
 
-double ill_posed_fraction(const Scene& scene, const Fields& fields, const RheologyStage& rheology,
-                          int threads) {
+double ill_posed_fraction(const Scene& scene, const Fields& fields, const Geometry* geometry,
+                          const RheologyStage& rheology, int threads) {
   if (scene.rheology.law != Law::mu_I) return 0;
   const int nx = fields.p.nx(), ny = fields.p.ny();
   RowSums bad(ny), all(ny);
@@ -51,6 +51,7 @@ double ill_posed_fraction(const Scene& scene, const Fields& fields, const Rheolo
       well_posed_row(scene, fields, rheology, j, well.data());
       double b = 0, a = 0;
       for (int i = 0; i < nx; ++i) {
+        if (geometry && geometry->volume(i, j) == 0) continue;
         b += 1 - well[i];
         a += fields.grains(i, j) > 0.5 ? 1 : 0;
       }
@@ -61,10 +62,10 @@ double ill_posed_fraction(const Scene& scene, const Fields& fields, const Rheolo
   return all.sum() > 0 ? bad.sum() / all.sum() : 0;
 }
 
-std::vector<double> masses_by_material(const Scene& scene, const Fields& fields, int threads,
-                                       bool by_volume) {
+std::vector<double> masses_by_material(const Scene& scene, const Fields& fields, const Geometry* geometry,
+                                       int threads, bool by_volume) {
   const int nx = fields.p.nx(), ny = fields.p.ny();
-  const double area = fields.patch().h * fields.patch().h;
+  const double area = scene.copies() * fields.patch().h * fields.patch().h;
   std::vector<double> volumes;
   std::vector<const CellField*> phases{&fields.grains};
   for (const CellField& t : fields.tracers) phases.push_back(&t);
@@ -76,8 +77,14 @@ std::vector<double> masses_by_material(const Scene& scene, const Fields& fields,
       for (int j = rows.begin; j < rows.end; ++j) {
         const double* c = phase->row(j);
         double s = 0;
+        if (geometry) {
+          const double* open = geometry->volume.row(j);
 #pragma omp simd reduction(+ : s)
-        for (int i = 0; i < nx; ++i) s += c[i];
+          for (int i = 0; i < nx; ++i) s += open[i] * c[i];
+        } else {
+#pragma omp simd reduction(+ : s)
+          for (int i = 0; i < nx; ++i) s += c[i];
+        }
         sums[j] = s;
       }
     });
@@ -88,7 +95,7 @@ std::vector<double> masses_by_material(const Scene& scene, const Fields& fields,
   return volumes;
 }
 
-double slow_fraction(const Fields& fields, double speed, int threads) {
+double slow_fraction(const Fields& fields, const Geometry* geometry, double speed, int threads) {
   const int nx = fields.p.nx(), ny = fields.p.ny();
   RowSums slow(ny), all(ny);
   parallel(threads, [&](Team& team) {
@@ -97,7 +104,7 @@ double slow_fraction(const Fields& fields, double speed, int threads) {
       double s = 0, a = 0;
 #pragma omp simd reduction(+ : s, a)
       for (int i = 0; i < nx; ++i) {
-        const double c = fields.grains(i, j);
+        const double c = fields.grains(i, j) * (geometry ? geometry->volume(i, j) : 1.0);
         a += c;
         s += c * static_cast<double>(cell_speed(fields, i, j) < speed);
       }
@@ -109,7 +116,7 @@ double slow_fraction(const Fields& fields, double speed, int threads) {
   return total > 0 ? slow.sum() / total : 0;
 }
 
-double fastest_grains(const Fields& fields, int threads) {
+double fastest_grains(const Fields& fields, const Geometry* geometry, int threads) {
   const int nx = fields.p.nx(), ny = fields.p.ny();
   RowSums fastest(ny);
   parallel(threads, [&](Team& team) {
@@ -117,7 +124,8 @@ double fastest_grains(const Fields& fields, int threads) {
     for (int j = rows.begin; j < rows.end; ++j) {
       double m = 0;
       for (int i = 0; i < nx; ++i)
-        if (fields.grains(i, j) >= 0.5) m = std::max(m, cell_speed(fields, i, j));
+        if (fields.grains(i, j) >= 0.5 && !(geometry && geometry->volume(i, j) == 0))
+          m = std::max(m, cell_speed(fields, i, j));
       fastest[j] = m;
     }
   });
@@ -136,23 +144,24 @@ std::string not_finite(const Fields& fields) {
   return {};
 }
 
-double mass_through(const Scene& scene, const PhaseFlux& flux, Side side, FaceRange faces, int material) {
+double mass_through(const Scene& scene, const PhaseFlux& flux, Side side, const std::vector<OpenFace>& faces,
+                    int material) {
   const Patch patch = scene.patch();
   // Phase 0 of the fluxes is all grains, phase k > 0 material k.
   const auto volume = [&](int phase) {
     const XFaceField& x = flux.x[phase];
     const YFaceField& y = flux.y[phase];
     double sum = 0;
-    for (int f = faces.first; f < faces.last; ++f)
-      sum += side == Side::left     ? -x(0, f)
-             : side == Side::right  ? x(patch.nx, f)
-             : side == Side::bottom ? -y(f, 0)
-                                    : y(f, patch.ny);
+    for (const auto& [f, share] : faces)
+      sum += share * (side == Side::left     ? -x(0, f)
+                      : side == Side::right  ? x(patch.nx, f)
+                      : side == Side::bottom ? -y(f, 0)
+                                             : y(f, patch.ny));
     return sum;
   };
   double sum = volume(material);
   for (int k = 1; material == 0 && k < static_cast<int>(scene.materials.size()); ++k) sum -= volume(k);
-  return sum * patch.h * patch.h * scene.materials[material].density;
+  return sum * scene.copies() * patch.h * patch.h * scene.materials[material].density;
 }
 
 double start_up_time(const Scene& scene) {

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "kernels/geometry.hpp"
 #include "solver/boundary_of.hpp"
 #include "solver/fields.hpp"
 #include "solver/rheology.hpp"
@@ -12,29 +13,31 @@
 namespace hourglass {
 
 /// Mass of each material in the domain; the sum is the mass of grains. With dilatancy by packing; `by_volume`: as if
-/// all were at rest.
-std::vector<double> masses_by_material(const Scene& scene, const Fields& fields, int threads,
-                                       bool by_volume = false);
+/// all were at rest. Of the whole silo: both halves of a mirrored one, all around an axis. geometry here and below:
+/// nullptr, or that of the scene.
+std::vector<double> masses_by_material(const Scene& scene, const Fields& fields, const Geometry* geometry,
+                                       int threads, bool by_volume = false);
 
 /// Share of the grain volume that is slower than `speed`.
-double slow_fraction(const Fields& fields, double speed, int threads);
+double slow_fraction(const Fields& fields, const Geometry* geometry, double speed, int threads);
 
 /// 1 where the equations of mu(I) are well posed at the I of the last step (granular_laws.hpp, well_posedness) or the
 /// viscosity stands at eta_max and is a number, 0 where they are not; 1 where grains fill less than half.
 CellField well_posed_cells(const Scene& scene, const Fields& fields, const RheologyStage& rheology);
 
 /// Share of the cells with grains where they are not; 0 for law newtonian and mu_I_regularised.
-double ill_posed_fraction(const Scene& scene, const Fields& fields, const RheologyStage& rheology,
-                          int threads);
+double ill_posed_fraction(const Scene& scene, const Fields& fields, const Geometry* geometry,
+                          const RheologyStage& rheology, int threads);
 
 /// Fastest cell-centred speed where grains fill at least half of the cell.
-double fastest_grains(const Fields& fields, int threads);
+double fastest_grains(const Fields& fields, const Geometry* geometry, int threads);
 
 /// Whether every velocity and pressure is a finite number; where not, the first place.
 std::string not_finite(const Fields& fields);
 
-/// Mass of one material that left through a range of boundary faces in the last step, outward positive.
-double mass_through(const Scene& scene, const PhaseFlux& flux, Side side, FaceRange faces, int material);
+/// Mass of one material that left through shares of boundary faces in the last step, outward positive; of the whole silo.
+double mass_through(const Scene& scene, const PhaseFlux& flux, Side side, const std::vector<OpenFace>& faces,
+                    int material);
 
 /// Samples of mass over time, and the rate of its loss.
 struct DischargeWindow {

@@ -14,11 +14,11 @@ const CellField& volume_of(const Fields& fields, std::size_t phase) {
 
 }  // namespace
 
-DilatancyStage::DilatancyStage(const Scene& scene, const Patch& patch, bool periodic_x)
+DilatancyStage::DilatancyStage(const Scene& scene, const Patch& patch, Ends ends, const Geometry* geometry)
     : mode_(scene.dilatancy->mode), phi_max_(scene.dilatancy->phi_max), phi_min_(scene.dilatancy->phi_min),
-      relaxation_time_(scene.dilatancy->relaxation_time), K_(scene.dilatancy->K), periodic_x_(periodic_x),
-      ratio_(scene.materials.size(), CellField(patch, 1)), flux_x_(scene.materials.size(), XFaceField(patch)),
-      flux_y_(scene.materials.size(), YFaceField(patch)),
+      relaxation_time_(scene.dilatancy->relaxation_time), K_(scene.dilatancy->K), ends_(ends),
+      geometry_(geometry), ratio_(scene.materials.size(), CellField(patch, 1)),
+      flux_x_(scene.materials.size(), XFaceField(patch)), flux_y_(scene.materials.size(), YFaceField(patch)),
       least_pressure_(scene.materials[0].density * std::hypot(scene.gravity[0], scene.gravity[1]) * patch.h) {
   if (mode_ == DilatancyMode::weight) return;
   divergence_ = CellField(patch);
@@ -41,7 +41,7 @@ void DilatancyStage::remember(const Fields& fields, int threads) {
           const double ratio = solid[i] / std::max(volume[i], least_volume);
           out[i] = volume[i] > least_volume ? std::min(std::max(ratio, lowest), highest) : 1.0;
         }
-        if (periodic_x_) wrap_row(out, ratio_[k].nx());
+        fill_ends(ends_, out, ratio_[k].nx());
       }
   });
 }
@@ -69,6 +69,10 @@ void DilatancyStage::transport(Fields& fields, const Vof& vof, int threads) {
         if (mode_ == DilatancyMode::weight) {
 #pragma omp simd
           for (int i = 0; i < nx; ++i) solid[i] = volume[i] * ratio[i];
+        } else if (geometry_) {
+          const double* per_open = geometry_->inverse_volume.row(j);
+#pragma omp simd
+          for (int i = 0; i < nx; ++i) solid[i] -= per_open[i] * ((x[i + 1] - x[i]) + (n[i] - s[i]));
         } else {
 #pragma omp simd
           for (int i = 0; i < nx; ++i) solid[i] -= (x[i + 1] - x[i]) + (n[i] - s[i]);
@@ -87,7 +91,7 @@ void DilatancyStage::set_row(const Fields& fields, int j, const double* __restri
       double* __restrict out = ratio.row(j);
 #pragma omp simd
       for (int i = 0; i < nx; ++i) out[i] = packing_of_I(I[i], phi_max, phi_g[i], phi_min) / phi_max;
-      if (periodic_x_) wrap_row(out, nx);
+      fill_ends(ends_, out, nx);
     }
     return;
   }

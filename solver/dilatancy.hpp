@@ -13,7 +13,7 @@ namespace hourglass {
 
 class DilatancyStage {
  public:
-  DilatancyStage(const Scene& scene, const Patch& patch, bool periodic_x);
+  DilatancyStage(const Scene& scene, const Patch& patch, Ends ends, const Geometry* geometry = nullptr);
 
   /// Before volumes move: phi of each material at n.
   void remember(const Fields& fields, int threads);
@@ -36,7 +36,8 @@ class DilatancyStage {
 
   DilatancyMode mode_;
   double phi_max_, phi_min_, relaxation_time_, K_;
-  bool periodic_x_;
+  Ends ends_;
+  const Geometry* geometry_;
   std::vector<CellField> ratio_;  ///< phi / phi_max, by phase: all grains, then materials
   std::vector<XFaceField> flux_x_;
   std::vector<YFaceField> flux_y_;

@@ -7,9 +7,10 @@
 namespace hourglass {
 
 template <class T>
-Projection<T>::Projection(const Patch& patch, const Boundary& boundary, bool compliant)
-    : multigrid_(patch, boundary, 2), krylov_(patch), q_(patch), rhs_(patch), largest_(patch.ny),
-      speed_(patch.ny) {
+Projection<T>::Projection(const Patch& patch, const Boundary& boundary, bool compliant,
+                          const Geometry* geometry)
+    : geometry_(geometry), multigrid_(patch, boundary, 2), krylov_(patch), q_(patch), rhs_(patch),
+      largest_(patch.ny), speed_(patch.ny) {
   if (compliant)
     multigrid_.each_level(
         [](PoissonLevel<T>& level) { level.a.absorption = CellFieldOf<T>(level.x.patch()); });
@@ -31,10 +32,19 @@ void Projection<T>::assemble(Team& team, const CellField& density, const CellFie
         b[0] = static_cast<T>(2 * boundary.left.open[j] / rho[0]);
         b[nx] = static_cast<T>(2 * boundary.right.open[j] / rho[nx - 1]);
       }
+      if (geometry_) {
+        const double* open = geometry_->aperture.u.row(j);
+        const auto beta = [&](int i, double twice_rho) { b[i] = static_cast<T>(2 * open[i] / twice_rho); };
+#pragma omp simd
+        for (int i = 1; i < nx; ++i) beta(i, rho[i - 1] + rho[i]);
+        beta(0, boundary.periodic_x ? rho[-1] + rho[0] : rho[0]);
+        beta(nx, boundary.periodic_x ? rho[nx - 1] + rho[nx] : rho[nx - 1]);
+      }
       if (with_modules && level.a.absorption.allocated()) {  // compliance δp, δp = q h/dt, for ∇·u h
         T* __restrict kappa = level.a.absorption.row(j);
         const double scale = compliance ? density.patch().h * density.patch().h / dt : 0;
         for (int i = 0; i < nx; ++i) kappa[i] = static_cast<T>(compliance ? scale * (*compliance)(i, j) : 0);
+        for (int i = 0; geometry_ && i < nx; ++i) kappa[i] *= static_cast<T>(geometry_->volume(i, j));
       }
     }
     T* __restrict b = level.a.beta.v.row(j);
@@ -46,6 +56,13 @@ void Projection<T>::assemble(Team& team, const CellField& density, const CellFie
       const SideFaces& side = j == 0 ? boundary.bottom : boundary.top;
       const double* rho = density.row(j == 0 ? 0 : ny - 1);
       for (int i = 0; i < nx; ++i) b[i] = static_cast<T>(2 * side.open[i] / rho[i]);
+    }
+    if (geometry_) {
+      const double* open = geometry_->aperture.v.row(j);
+      const double *below = density.row(std::max(j - 1, 0)), *above = density.row(std::min(j, ny - 1));
+      const double both = j > 0 && j < ny ? 2 : 4;
+#pragma omp simd
+      for (int i = 0; i < nx; ++i) b[i] = static_cast<T>(both * open[i] / (below[i] + above[i]));
     }
   }
   team.sync();
@@ -72,6 +89,15 @@ void Projection<T>::add_gravity_and_pressure_row(const CellField& p, std::array<
   const double* pm = is_u ? pc - 1 : p.row(k / 2 - 1);
   const double push = dt * g[is_u ? 0 : 1];
   double* __restrict out = row.data;
+  if (geometry_) {
+    const double* __restrict per_open = row_of(geometry_->inverse_aperture, k).data;
+#pragma omp simd
+    for (int i = 0; i < row.n; ++i) {
+      const double accelerated = push - dt_h * per_open[i] * static_cast<double>(b[i]) * (pc[i] - pm[i]);
+      out[i] = b[i] != T(0) ? out[i] + accelerated : 0;
+    }
+    return;
+  }
 #pragma omp simd
   for (int i = 0; i < row.n; ++i)
     out[i] = b[i] != T(0) ? out[i] + (push - dt_h * static_cast<double>(b[i]) * (pc[i] - pm[i])) : 0;
@@ -87,7 +113,16 @@ double Projection<T>::measure_divergence(Team& team, const Velocity& w, const Ce
     const int n = rhs_.nx();
 #pragma omp simd
     for (int i = 0; i < n; ++i) out[i] = -((u[i + 1] - u[i]) + (vn[i] - vs[i]));
-    if (with_modules && divergence) {
+    if (geometry_) {
+      const double *a = geometry_->aperture.u.row(j), *as = geometry_->aperture.v.row(j),
+                   *an = geometry_->aperture.v.row(j + 1);
+#pragma omp simd
+      for (int i = 0; i < n; ++i)
+        out[i] = -((a[i + 1] * u[i + 1] - a[i] * u[i]) + (an[i] * vn[i] - as[i] * vs[i]));
+    }
+    if (with_modules && divergence && geometry_) {
+      for (int i = 0; i < n; ++i) out[i] += h * geometry_->volume(i, j) * (*divergence)(i, j);
+    } else if (with_modules && divergence) {
       const double* S = divergence->row(j);
 #pragma omp simd
       for (int i = 0; i < n; ++i) out[i] += h * S[i];
@@ -141,8 +176,14 @@ SolveStats Projection<T>::solve(Team& team, double dt, double tolerance, int max
     const double* qc = q_.row(k / 2);
     const double* qm = is_u ? qc - 1 : q_.row(k / 2 - 1);
     double* __restrict out = row.data;
+    if (geometry_) {
+      const double* __restrict per_open = row_of(geometry_->inverse_aperture, k).data;
 #pragma omp simd
-    for (int i = 0; i < row.n; ++i) out[i] -= static_cast<double>(b[i]) * (qc[i] - qm[i]);
+      for (int i = 0; i < row.n; ++i) out[i] -= per_open[i] * static_cast<double>(b[i]) * (qc[i] - qm[i]);
+    } else {
+#pragma omp simd
+      for (int i = 0; i < row.n; ++i) out[i] -= static_cast<double>(b[i]) * (qc[i] - qm[i]);
+    }
     if (boundary.periodic_x) wrap_row(row.data, q_.nx());
   }
   const double to_p = q_.patch().h / dt;
@@ -160,7 +201,8 @@ SolveStats Projection<T>::solve(Team& team, double dt, double tolerance, int max
 #pragma omp simd
       for (int i = 0; i < q_.nx(); ++i) {
         const double bound = 0.25 * std::abs(out[i]) + modules.least_bound,
-                     change = omega_h * eta[i] * rhs[i];
+                     change =
+                         omega_h * eta[i] * rhs[i];  // of small cells less than it ought to be: rhs is theirs
         out[i] += std::min(std::max(change, -bound), bound);
       }
     }

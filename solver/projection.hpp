@@ -2,6 +2,7 @@
 // ∇·(β ∇q) = ∇·u**,  u = u** - β ∇q,  p <- p + q h/Δt, with q = Δt δp / h so that β ∇q is a difference of
 // neighbours (Chorin 1968; incremental: Goda 1979). β = 1/ρ on faces at n+1, 2/ρ on open boundary faces, 0 on
 // walls.
+#include "kernels/geometry.hpp"
 #include "solver/krylov.hpp"
 #include "solver/levels.hpp"
 
@@ -19,8 +20,10 @@ struct ProjectionModules {
 template <class T>
 class Projection {
  public:
-  /// `compliant`: assemble() will be given a compliance.
-  Projection(const Patch& patch, const Boundary& boundary, bool compliant = false);
+  /// `compliant`: assemble() will be given a compliance. geometry: nullptr, or what outlives this; then β has the open
+  /// share of the face, and ∇·u is integrated over what is open of a cell.
+  Projection(const Patch& patch, const Boundary& boundary, bool compliant = false,
+             const Geometry* geometry = nullptr);
 
   /// β of all levels. in: density in cells, halo 2 [M/L^2]; compliance -dS/dp >= 0 of the divergence asked for [T/M],
   /// nullptr: 0. Synced on return.
@@ -50,6 +53,7 @@ class Projection {
   /// rhs_ = -Σ velocities out of a cell + h divergence; returns max |.|
   double measure_divergence(Team& team, const Velocity& w, const CellField* divergence);
 
+  const Geometry* geometry_;
   Multigrid<PoissonLevel<T>> multigrid_;
   Krylov<PoissonLevel<T>> krylov_;
   CellField q_;  ///< δp Δt / h of the last solve, the guess of the next: a restart must keep it

@@ -2,14 +2,16 @@
 
 namespace hourglass {
 
-RheologyStage::RheologyStage(const Scene& scene, const Patch& patch, const Boundary& boundary)
+RheologyStage::RheologyStage(const Scene& scene, const Patch& patch, const Boundary& boundary,
+                             const Geometry* geometry)
     : law_(scene.rheology.law),
       properties_(scene), limits_{scene.rheology.eta_min, scene.rheology.eta_max, scene.air.viscosity,
                                   scene.rheology.background_pressure},
-      smooth_cap_(scene.rheology.cap == Cap::smooth), deviatoric_(scene.dilatancy.has_value()),
+      geometry_(geometry), smooth_cap_(scene.rheology.cap == Cap::smooth),
+      deviatoric_(scene.dilatancy.has_value()),
       general_(scene.nonlocal || scene.dilatancy || scene.wall_friction || law_ != Law::mu_I || smooth_cap_ ||
                !properties_.equal_law()),
-      periodic_(boundary.periodic_x), row_counts_(patch.ny) {
+      axisymmetric_(scene.axisymmetric()), ends_(boundary.ends()), row_counts_(patch.ny) {
   if (scene.wall_friction) wall_force_ = CellField(patch);
   if (law_ == Law::newtonian) return;  // no shear rate needed, none stored
   if (law_ == Law::mu_I_regularised)
@@ -28,6 +30,13 @@ void RheologyStage::shear_rate_row(const Fields& fields, int j, double* out) con
   } else {
     shear_rate_squared_row(fields.u, fields.v, j, out);
   }
+  if (!axisymmetric_) return;
+  const double* u = fields.u.row(j);
+  const Patch& patch = fields.patch();
+  for (int i = 0; i < patch.nx; ++i) {  // the hoop's share of 2 D:D
+    const double hoop = 0.5 * (u[i] + u[i + 1]) / patch.x_centre(i);
+    out[i] += 2 * hoop * hoop;
+  }
 }
 
 /// All but the last half pass of |γ̇|^2 <- Σ c |γ̇|^2 / Σ c over the smoothing kernel, a mean over grains, neither over
@@ -35,21 +44,27 @@ void RheologyStage::shear_rate_row(const Fields& fields, int j, double* out) con
 void RheologyStage::smooth(Team& team, const Fields& fields, CellField& spare) {
   const int nx = weight_.nx();
   const Rows rows = team.rows(weight_.ny());
-  double* __restrict line = row_scratch<double>(nx);
+  double* __restrict line = row_scratch<double>(2 * nx);
+  double* open_grains = line + nx;
   for (std::size_t k = 0; k < passes_.size(); ++k) {
     for (int j = rows.begin; j < rows.end; ++j) {
-      const double* __restrict c = fields.grains.row(j);
+      const double* c = fields.grains.row(j);
       if (k == 0) {
         shear_rate_row(fields, j, line);
+        if (geometry_) {
+          const double* open = geometry_->volume.row(j);
+          for (int i = 0; i < nx; ++i) open_grains[i] = c[i] * open[i];
+          c = open_grains;
+        }
 #pragma omp simd
         for (int i = 0; i < nx; ++i) line[i] *= c[i];
-        smooth_row(line, nx, passes_[k], periodic_, weighted_.row(j));
-        smooth_row(c, nx, passes_[k], periodic_, weight_.row(j));
+        smooth_row(line, nx, passes_[k], ends_, weighted_.row(j));
+        smooth_row(c, nx, passes_[k], ends_, weight_.row(j));
         continue;
       }
       for (CellField* f : {&weighted_, &weight_}) {
         std::copy(f->row(j), f->row(j) + nx, line);
-        smooth_row(line, nx, passes_[k], periodic_, f->row(j));
+        smooth_row(line, nx, passes_[k], ends_, f->row(j));
       }
     }
     team.sync();
@@ -97,7 +112,7 @@ void RheologyStage::general_row(const Fields& fields, int j, const Modules& modu
     double* __restrict out = wall_force_.row(j);
 #pragma omp simd
     for (int i = 0; i < nx; ++i) out[i] = F[i] * pressure[i] * c[i];
-    if (periodic_) wrap_row(out, nx);
+    fill_ends(ends_, out, nx);
   }
   if (law_ == Law::newtonian) return newtonian_row(fields, j, eta);
 

@@ -3,6 +3,7 @@
 // modules that a scene names need of |γ̇|, I and P, while these are at hand.
 #include <vector>
 
+#include "kernels/geometry.hpp"
 #include "kernels/rheology.hpp"
 #include "kernels/strain_rate.hpp"
 #include "solver/dilatancy.hpp"
@@ -13,7 +14,9 @@ namespace hourglass {
 
 class RheologyStage {
  public:
-  RheologyStage(const Scene& scene, const Patch& patch, const Boundary& boundary);
+  /// geometry: nullptr, or what outlives this.
+  RheologyStage(const Scene& scene, const Patch& patch, const Boundary& boundary,
+                const Geometry* geometry = nullptr);
 
   /// Modules that share the rows; nullptr: the scene does not name them.
   struct Modules {
@@ -49,7 +52,9 @@ class RheologyStage {
   GrainProperties properties_;
   std::vector<RegularisedFriction> regularised_;  ///< by material; law mu_I_regularised
   ViscosityLimits limits_;
-  bool smooth_cap_, deviatoric_, general_, periodic_;
+  const Geometry* geometry_;
+  bool smooth_cap_, deviatoric_, general_, axisymmetric_;
+  Ends ends_;
   std::vector<SmoothingPass> passes_;
   CellField gamma2_, weighted_, weight_, wall_force_;
   std::vector<LimitCounts> row_counts_;

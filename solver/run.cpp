@@ -256,7 +256,7 @@ class Run {
         scene_.dilatancy->mode == DilatancyMode::weight) {  // which conserves volume, not mass
       gone = s_.lost_volume;
       left = 0;
-      for (double m : masses_by_material(scene_, s_.fields, s_.threads, true)) left += m;
+      for (double m : masses_by_material(scene_, s_.fields, s_.geometry.get(), s_.threads, true)) left += m;
     }
     if (initial_mass_ > 0) r.mass_error = std::abs((initial_mass_ - left) - gone) / initial_mass_;
     r.steps = s_.steps;

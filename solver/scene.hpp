@@ -252,6 +252,9 @@ struct Scene {
   bool axisymmetric() const { return coordinates == Coordinates::axisymmetric; }
   /// The left edge is not a wall but the middle of what is meant.
   bool left_is_middle() const { return symmetry == Symmetry::mirror || axisymmetric(); }
+  /// What a unit of the domain's area, with axisymmetric coordinates weighted by r/width, stands for in the whole silo:
+  /// 2 with its mirror image, 2 pi width [L] around an axis.
+  double copies() const { return axisymmetric() ? 2 * M_PI * width : symmetry == Symmetry::mirror ? 2 : 1; }
   double g() const { return std::hypot(gravity[0], gravity[1]); }  ///< [L/T^2]
   Patch patch() const;                                             ///< the whole domain; cells_y rounded
   bool operator==(const Scene&) const = default;

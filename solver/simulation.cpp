@@ -10,6 +10,7 @@
 #include "kernels/polygon.hpp"
 #include "solver/diagnostics.hpp"
 #include "solver/simulation_state.hpp"
+#include "solver/solids.hpp"
 #include "solver/time_step.hpp"
 
 namespace hourglass {
@@ -21,15 +22,19 @@ void Simulation::Impl::fill() {
   const Patch& patch = fields.patch();
   std::vector<Polygon> polygons;
   for (const Fill& f : scene.fill) polygons.emplace_back(f.points.begin(), f.points.end());
+  const std::size_t fills = polygons.size();
+  for (Polygon& solid : solids_of(scene)) polygons.push_back(std::move(solid));
   std::vector<double> share(scene.materials.size());
   for (int j = 0; j < patch.ny; ++j)
     for (int i = 0; i < patch.nx; ++i) {
       std::fill(share.begin(), share.end(), 0.0);
-      for (std::size_t k = 0; k < polygons.size(); ++k) {
+      const double open = geometry ? geometry->open_share(i, j) : 1;
+      if (open == 0) continue;
+      for (std::size_t k = 0; k < fills; ++k) {
         if (scene.fill[k].material < 0) continue;
         const Polygon part = part_in(polygons[k], patch.x_corner(i), patch.y_corner(j), patch.x_corner(i + 1),
                                      patch.y_corner(j + 1));
-        share[scene.fill[k].material] += visible_area(part, polygons, k + 1) / (patch.h * patch.h);
+        share[scene.fill[k].material] += visible_area(part, polygons, k + 1) / (patch.h * patch.h * open);
       }
       double grains = 0;
       for (double s : share) grains += s;
@@ -38,6 +43,10 @@ void Simulation::Impl::fill() {
       for (std::size_t k = 0; k < fields.tracers.size(); ++k)
         fields.tracers[k](i, j) = std::clamp(share[k + 1] * rounding, 0.0, fields.grains(i, j));
     }
+  if (geometry) {
+    fill_solid(*geometry, fields.grains);
+    for (CellField& tracer : fields.tracers) fill_solid(*geometry, tracer);
+  }
   for (std::size_t k = 0; k < fields.solid.size(); ++k)  // at rest: phi_max
     fields.solid[k] = k == 0 ? fields.grains : fields.tracers[k - 1];
   fill_cell_halo(boundary, fields.grains);
@@ -49,11 +58,14 @@ void Simulation::Impl::account() {
   const auto each_way_out = [&](const PhaseFlux& flux, int k, auto&& leave) {
     for (std::size_t o = 0; o < scene.orifices.size(); ++o) {
       const Orifice& orifice = scene.orifices[o];
-      leave(static_cast<int>(o), mass_through(scene, flux, orifice.wall, faces_of(orifice, patch), k));
+      leave(static_cast<int>(o),
+            mass_through(scene, flux, orifice.wall, shares_of(orifice, boundary, patch), k));
     }
     for (int s = 0; s < 4; ++s) {
       const Side side = static_cast<Side>(s);
-      const FaceRange all{0, side == Side::left || side == Side::right ? patch.ny : patch.nx};
+      std::vector<OpenFace> all;
+      for (int f = 0; f < (side == Side::left || side == Side::right ? patch.ny : patch.nx); ++f)
+        all.push_back({f, 1});
       if (scene.walls[s] == Wall::open) leave(-1, mass_through(scene, flux, side, all, k));
     }
   };
@@ -75,12 +87,13 @@ void Simulation::Impl::account() {
 SeriesRow Simulation::Impl::row(const StepReport& report) const {
   SeriesRow r;
   r.step = report;
-  r.material_mass = masses_by_material(scene, fields, threads);
+  r.material_mass = masses_by_material(scene, fields, geometry.get(), threads);
   for (double m : r.material_mass) r.mass += m;
   const double g = std::hypot(scene.gravity[0], scene.gravity[1]);
-  r.quasi_static_fraction = slow_fraction(fields, 1e-3 * std::sqrt(g * scene.materials[0].diameter), threads);
-  r.ill_posed_fraction = ill_posed_fraction(scene, fields, stepper->rheology(), threads);
-  r.max_speed = fastest_grains(fields, threads);
+  r.quasi_static_fraction =
+      slow_fraction(fields, geometry.get(), 1e-3 * std::sqrt(g * scene.materials[0].diameter), threads);
+  r.ill_posed_fraction = ill_posed_fraction(scene, fields, geometry.get(), stepper->rheology(), threads);
+  r.max_speed = fastest_grains(fields, geometry.get(), threads);
   r.orifice_outflow = orifice_mass;
   r.material_outflow = orifice_material;
   return r;
@@ -98,7 +111,7 @@ Fields& Simulation::fields() { return impl_->fields; }
 double Simulation::t() const { return impl_->t; }
 const std::vector<double>& Simulation::orifice_mass() const { return impl_->orifice_mass; }
 std::vector<double> Simulation::material_mass() const {
-  return masses_by_material(impl_->scene, impl_->fields, impl_->threads);
+  return masses_by_material(impl_->scene, impl_->fields, impl_->geometry.get(), impl_->threads);
 }
 double Simulation::grain_mass() const {
   double total = 0;
@@ -108,7 +121,8 @@ double Simulation::grain_mass() const {
 double Simulation::quasi_static_fraction() const {
   const Scene& s = impl_->scene;
   const double g = std::hypot(s.gravity[0], s.gravity[1]);
-  return slow_fraction(impl_->fields, 1e-3 * std::sqrt(g * s.materials[0].diameter), impl_->threads);
+  return slow_fraction(impl_->fields, impl_->geometry.get(), 1e-3 * std::sqrt(g * s.materials[0].diameter),
+                       impl_->threads);
 }
 
 std::vector<std::pair<std::string, std::size_t>> Simulation::memory() const {
@@ -118,6 +132,7 @@ std::vector<std::pair<std::string, std::size_t>> Simulation::memory() const {
   for (const CellField& t : f.solid) state += t.bytes();
   state += f.fluidity.bytes();
   auto table = impl_->stepper->memory();
+  if (impl_->geometry) table.insert(table.begin(), {"geometry", impl_->geometry->bytes()});
   table.insert(table.begin(), {"fields", state});
   return table;
 }
@@ -125,6 +140,7 @@ std::vector<std::pair<std::string, std::size_t>> Simulation::memory() const {
 StepReport Simulation::step(double t_limit) {
   Impl& s = *impl_;
   StepReport report;
+  if (s.geometry) fill_solid(*s.geometry, s.fields);
   fill_velocity_halo(s.boundary, s.fields.u, s.fields.v);  // cheap, and callers may have set the velocity
   const auto start = Clock::now();
   s.threads = s.governor.next();

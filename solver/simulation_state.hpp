@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "solver/boundary_of.hpp"
+#include "solver/geometry.hpp"
 #include "solver/simulation.hpp"
 #include "solver/step.hpp"
 #include "solver/thread_governor.hpp"
@@ -17,15 +18,16 @@ int threads_of(const Scene& scene);
 
 struct Simulation::Impl {
   explicit Impl(const Scene& s)
-      : scene(s), boundary(boundary_of(scene)), threads(threads_of(scene)),
-        fields(scene.patch(), static_cast<int>(scene.materials.size()), scene.nonlocal.has_value(),
-               scene.dilatancy.has_value()),
-        stepper(make_stepper(scene, boundary, threads)),
+      : scene(s), boundary(boundary_of(scene)), geometry(geometry_of(scene, boundary)),
+        threads(threads_of(scene)), fields(scene.patch(), static_cast<int>(scene.materials.size()),
+                                           scene.nonlocal.has_value(), scene.dilatancy.has_value()),
+        stepper(make_stepper(scene, boundary, geometry.get(), threads)),
         governor(threads), rows{RowSums(fields.p.ny()), RowSums(fields.p.ny())},
         orifice_mass(scene.orifices.size()), orifice_material(scene.materials.size()) {}
 
   Scene scene;
   Boundary boundary;
+  std::unique_ptr<Geometry> geometry;  // nullptr: whole cells
   int threads;
   Fields fields;
   std::unique_ptr<Stepper> stepper;

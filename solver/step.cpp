@@ -22,15 +22,17 @@ namespace {
 template <class T>
 class StepperOf final : public Stepper {
  public:
-  StepperOf(const Scene& scene, const Boundary& boundary, int threads)
-      : scene_(scene), boundary_(boundary), threads_(threads), patch_(scene.patch()),
-        vof_(patch_, static_cast<int>(scene.materials.size()), {boundary.periodic_x}),
-        rheology_(scene, patch_, boundary), fluidity_(make_fluidity<T>(scene, patch_, boundary)),
-        mass_(patch_), eta_(patch_), star_(patch_), viscous_(patch_, boundary),
-        projection_(patch_, boundary, scene.dilatancy && scene.dilatancy->mode != DilatancyMode::weight) {
+  StepperOf(const Scene& scene, const Boundary& boundary, const Geometry* geometry, int threads)
+      : scene_(scene), boundary_(boundary), geometry_(geometry), threads_(threads), patch_(scene.patch()),
+        vof_(patch_, static_cast<int>(scene.materials.size()), boundary.ends(), geometry),
+        rheology_(scene, patch_, boundary, geometry),
+        fluidity_(make_fluidity<T>(scene, patch_, boundary, geometry)), mass_(patch_), eta_(patch_),
+        star_(patch_), viscous_(patch_, boundary, geometry),
+        projection_(patch_, boundary, scene.dilatancy && scene.dilatancy->mode != DilatancyMode::weight,
+                    geometry) {
     for (const Material& m : scene.materials) excess_.push_back(m.density - scene.materials[0].density);
     if (scene.dilatancy) {
-      dilatancy_ = std::make_unique<DilatancyStage>(scene, patch_, boundary.periodic_x);
+      dilatancy_ = std::make_unique<DilatancyStage>(scene, patch_, boundary.ends(), geometry);
       if (dilatancy_->divergence()) trace_ = CellField(patch_);
     }
     const Splitting& splitting = scene.accuracy.splitting;
@@ -50,7 +52,7 @@ class StepperOf final : public Stepper {
     for (int outer = 0; outer < splitting.outer; ++outer) {
       for (int picard = 0; picard < splitting.picard; ++picard) {
         const bool first = outer + picard == 0;
-        if (!first) fill_velocity_halo(boundary_, fields.u, fields.v);
+        if (!first) fill_halo(fields);
         timers.time(with_modules && fluidity_ ? "rheology and fluidity" : "rheology",
                     [&] { update_viscosity(fields, report); });
         timers.time("momentum", [&] {
@@ -91,7 +93,7 @@ class StepperOf final : public Stepper {
       if (team.leads()) stats = s;
     });
     projection_.forget();
-    fill_velocity_halo(boundary_, fields.u, fields.v);
+    fill_halo(fields);
     return stats;
   }
 
@@ -115,6 +117,11 @@ class StepperOf final : public Stepper {
   }
 
  private:
+  void fill_halo(Fields& fields) {
+    if (geometry_) fill_solid(*geometry_, fields);
+    fill_velocity_halo(boundary_, fields.u, fields.v);
+  }
+
   /// Density at n+1 and the mass that VOF carried through each face.
   void transport_mass(const Fields& fields, double dt) {
     const int nx = patch_.nx, ny = patch_.ny;
@@ -124,6 +131,7 @@ class StepperOf final : public Stepper {
     // rho = air + grains c + Σ excess_k f_k, and so for the fluxes; with dilatancy air (1 - c) + rho_0 s + Σ excess_k s_k,
     // s the volumes at phi_max.
     const PhaseFlux flux = mass_flux(), volume_flux = vof_.flux();
+    const Velocity& carrier = vof_.carrier(fields);
     const bool dilatant = with_modules && dilatancy_;
     const double solid = scene_.materials[0].density;
     parallel(threads_, [&](Team& team) {
@@ -150,14 +158,15 @@ class StepperOf final : public Stepper {
               [&](int k) { return dilatant ? fields.solid[k].row(j) : fields.tracers[k - 1].row(j); });
           if (dilatant) keep_positive(fields, j);
           if (dt > 0)
-            mix(nx + 1, mass_.x.row(j), fields.u.row(j), dt_h, volume_flux.x[0].row(j),
+            mix(nx + 1, mass_.x.row(j), carrier.u.row(j), dt_h, volume_flux.x[0].row(j),
                 [&](int k) { return flux.x[k].row(j); });
           if (boundary_.periodic_x) wrap_row(mass_.x.row(j), nx);
+          if (boundary_.mirror_left) mass_.x(-1, j) = -mass_.x(1, j);
         }
         if (dt > 0)
-          mix(nx, mass_.y.row(j), fields.v.row(j), dt_h, volume_flux.y[0].row(j),
+          mix(nx, mass_.y.row(j), carrier.v.row(j), dt_h, volume_flux.y[0].row(j),
               [&](int k) { return flux.y[k].row(j); });
-        if (boundary_.periodic_x) wrap_row(mass_.y.row(j), nx);
+        fill_ends(boundary_.ends(), mass_.y.row(j), nx);
       }
       team.sync();
       if (team.leads()) fill_cell_halo(boundary_, mass_.density);
@@ -165,7 +174,7 @@ class StepperOf final : public Stepper {
       const Rows cells = team.rows(ny);
       for (int j = cells.begin; j < cells.end; ++j) {
         uniform_density_row(mass_.density, j, mass_.uniform.row(j));
-        if (boundary_.periodic_x) wrap_row(mass_.uniform.row(j), nx);
+        fill_ends(boundary_.ends(), mass_.uniform.row(j), nx);
       }
     });
   }
@@ -264,6 +273,11 @@ class StepperOf final : public Stepper {
     team.sync();
   }
 
+  static void multiply(int n, const double* __restrict factor, double* __restrict out) {
+#pragma omp simd
+    for (int i = 0; i < n; ++i) out[i] *= factor[i];
+  }
+
   /// star_ = u*.
   void predict_momentum(const Fields& fields, double dt) {
     const bool apart = advected_.bytes() > 0;  // forces are added to what is kept
@@ -283,6 +297,7 @@ class StepperOf final : public Stepper {
           const double* old = fields.u.row(j);
           double* __restrict out = star_.u.row(j);
           of_u.next(out);
+          if (geometry_) multiply(nx + 1, geometry_->inverse_inertia.u.row(j), out);
           const double left = old[0] - 2 * out[0] / above[0];  // half a control volume
           const double right = old[nx] - 2 * out[nx] / above[nx - 1];
 #pragma omp simd
@@ -297,6 +312,7 @@ class StepperOf final : public Stepper {
         const double share = j == 0 || j == ny ? 0.5 : 1.0;
         double* __restrict out = star_.v.row(j);
         of_v.next(out);
+        if (geometry_) multiply(nx, geometry_->inverse_inertia.v.row(j), out);
 #pragma omp simd
         for (int i = 0; i < nx; ++i) out[i] = old[i] - 2 * out[i] / (share * (below[i] + above[i]));
         if (!apart)
@@ -345,12 +361,13 @@ class StepperOf final : public Stepper {
                                              scene_.accuracy.max_iterations, fields, fields.p, modules);
       if (team.leads()) stats = s;
     });
-    fill_velocity_halo(boundary_, fields.u, fields.v);
+    fill_halo(fields);
     return stats;
   }
 
   const Scene& scene_;
   const Boundary& boundary_;
+  const Geometry* geometry_;  // nullptr: whole cells
   int threads_;
   const Patch patch_;
   Vof vof_;
@@ -369,10 +386,11 @@ class StepperOf final : public Stepper {
 
 }  // namespace
 
-std::unique_ptr<Stepper> make_stepper(const Scene& scene, const Boundary& boundary, int threads) {
+std::unique_ptr<Stepper> make_stepper(const Scene& scene, const Boundary& boundary, const Geometry* geometry,
+                                      int threads) {
   if (scene.accuracy.precision == Precision::full)
-    return std::make_unique<StepperOf<double>>(scene, boundary, threads);
-  return std::make_unique<StepperOf<float>>(scene, boundary, threads);
+    return std::make_unique<StepperOf<double>>(scene, boundary, geometry, threads);
+  return std::make_unique<StepperOf<float>>(scene, boundary, geometry, threads);
 }
 
 }  // namespace hourglass

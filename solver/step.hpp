@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "kernels/boundary.hpp"
+#include "kernels/geometry.hpp"
 #include "solver/fields.hpp"
 #include "solver/rheology.hpp"
 #include "solver/scene.hpp"
@@ -36,7 +37,8 @@ class Stepper {
   virtual std::vector<std::pair<std::string, std::size_t>> memory() const = 0;
 };
 
-/// For Scene::accuracy.precision.
-std::unique_ptr<Stepper> make_stepper(const Scene& scene, const Boundary& boundary, int threads);
+/// For Scene::accuracy.precision. boundary and geometry (or nullptr) outlive it.
+std::unique_ptr<Stepper> make_stepper(const Scene& scene, const Boundary& boundary, const Geometry* geometry,
+                                      int threads);
 
 }  // namespace hourglass

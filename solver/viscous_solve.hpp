@@ -1,6 +1,7 @@
 #pragma once
 // Implicit viscosity, coupled in u and v:  (ρ/Δt) u - ∇·(2 η D(u)) = (ρ/Δt) u*,  u at n+1 before the
 // projection.
+#include "kernels/geometry.hpp"
 #include "solver/krylov.hpp"
 #include "solver/levels.hpp"
 
@@ -17,8 +18,10 @@ struct WallDrag {
 template <class T>
 class ViscousSolve {
  public:
-  ViscousSolve(const Patch& patch, const Boundary& boundary)
-      : multigrid_(patch, boundary, 1), krylov_(patch), energy_(2 * patch.ny + 1), drag_(2 * patch.ny + 1) {}
+  /// geometry: nullptr, or what it outlives this.
+  ViscousSolve(const Patch& patch, const Boundary& boundary, const Geometry* geometry = nullptr)
+      : multigrid_(patch, geometry ? boundary.with_partly_open() : boundary, 1), krylov_(patch),
+        geometry_(geometry), energy_(2 * patch.ny + 1), drag_(2 * patch.ny + 1) {}
 
   /// Coefficients of all levels. in: eta in cells [M/T], density halo 2 [M/L^2]. Synced on return.
   void assemble(Team& team, const CellField& eta, bool harmonic_corners, const CellField& density,
@@ -42,10 +45,13 @@ class ViscousSolve {
   std::size_t bytes() const { return multigrid_.bytes() + krylov_.bytes(); }
 
  private:
+  void set_coefficients_in_geometry(Rows rows, const CellField& eta, bool harmonic, const CellField& density,
+                                    double scale, Velocity& star);
   void add_drag(Rows rows, const WallDrag& drag, const Velocity& u, Velocity& star);
 
   Multigrid<ViscousLevel<T>> multigrid_;
   Krylov<ViscousLevel<T>> krylov_;
+  const Geometry* geometry_;
   RowSums energy_;  // by row of the unknown
   RowSums drag_;    // what it added to the mass, by row of the unknown: no scale of the flow's energy
 };

@@ -3,15 +3,11 @@
 #include <span>
 #include <vector>
 
+#include "kernels/geometry.hpp"
 #include "kernels/vof_sweep.hpp"
 #include "solver/fields.hpp"
 
 namespace hourglass {
-
-struct VofBoundary {
-  bool periodic_x = false;
-  // Every other side lets out what flows out and lets in air; a wall is a side whose velocity is zero.
-};
 
 /// What went through all faces in a step, by phase: all grains, then materials 1, 2, ... [cell areas].
 struct PhaseFlux {
@@ -22,7 +18,8 @@ struct PhaseFlux {
 class Vof {
  public:
   /// Allocates all scratch. `materials` counts material 0, the rest of the grains that no tracer fills.
-  Vof(const Patch& patch, int materials, const VofBoundary& boundary = {});
+  /// geometry: nullptr, or what outlives this.
+  Vof(const Patch& patch, int materials, Ends ends = {}, const Geometry* geometry = nullptr);
 
   /// Moves fields.grains and fields.tracers by u and v over dt [T], x sweep first or y sweep first (alternate
   /// for second order). Needs (|u| + |v|) dt < h / 2 to keep the shares in [0, 1] by itself; what lies
@@ -42,6 +39,8 @@ class Vof {
   /// much of it found no room within two cells and was lost.
   double clipped() const { return clipped_; }
   double lost() const { return lost_; }
+  /// What carries the volumes: A u where there is a geometry, of the last step, else u itself.
+  const Velocity& carrier(const Fields& fields) const { return geometry_ ? carrier_ : fields; }
   std::size_t bytes() const;
 
  private:
@@ -50,7 +49,9 @@ class Vof {
              std::span<Field<face>> flux);
   void put_back(Fields& fields);
 
-  VofBoundary boundary_;
+  Ends ends_;
+  const Geometry* geometry_;
+  Velocity carrier_;
   DilationOwner owner_;
   std::vector<XFaceField> flux_x_;
   std::vector<YFaceField> flux_y_;
