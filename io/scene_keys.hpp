@@ -14,6 +14,28 @@ inline constexpr std::array<Accuracy, 3> accuracy_presets{
     Accuracy{.viscous_tolerance = 1e-4, .pressure_tolerance = 1e-8, .fluidity_tolerance = 1e-3},
 };
 
+/// Which keys place and size an insert depends on its shape.
+template <class Visitor>
+void visit_measures(Visitor& v, Insert& i) {
+  if (i.shape == Shape::polygon) {
+    v.points("points", i.points);
+    v.foreign({"centre", "width", "height", "diameter"});
+    return;
+  }
+  v.pair("centre", i.centre, "its middle, e.g. [75, 56.25]");
+  if (i.shape == Shape::circle) {
+    v.number(v.has("width") && !v.has("diameter") ? "width" : "diameter", i.width, "above 0");
+    i.height = i.width;
+    v.foreign({"width", "height", "points"});
+    return;
+  }
+  v.number("width", i.width, "from its left to its right end, above 0");
+  if (i.shape == Shape::square) i.height = i.width;
+  if (i.shape != Shape::square || v.has("height"))
+    v.number("height", i.height, "from its lower to its upper end, above 0");
+  v.foreign({"diameter", "points"});
+}
+
 /// A key's `required` text says what the value is; without one the key has a default.
 template <class Visitor>
 void visit_scene(Visitor& v, Scene& s) {
@@ -24,13 +46,14 @@ void visit_scene(Visitor& v, Scene& s) {
   v.map("domain", [&] {
     v.number("width", s.width, "the width of the domain, above 0");
     v.number("height", s.height, "the height of the domain, above 0");
-    v.fixed("symmetry", "none", {"mirror"});
+    v.choice("symmetry", s.symmetry, symmetry_names);
+    v.choice("coordinates", s.coordinates, coordinates_names);
   });
   v.map("grid", [&] { v.integer("cells_x", s.cells_x, "the number of cells across the width"); });
   v.pair("gravity", s.gravity, si ? "in SI units, e.g. [0, -9.81]" : nullptr);
   v.fixed("model", "mu_I", {"kinematic", "stochastic", "radial"});
   v.map("air", [&] {
-    v.fixed("model", "passive", {"none"});
+    v.choice("model", s.air.model, air_model_names);
     v.number("density", s.air.density);
     v.number("viscosity", s.air.viscosity);
   });
@@ -53,6 +76,7 @@ void visit_scene(Visitor& v, Scene& s) {
            v.material("material", f.material, s.materials, "the name of a material, or air");
            v.shape(f.points);
          });
+  if (s.left_is_middle()) s.walls[static_cast<int>(Side::left)] = Wall::free_slip;  // what a middle does
   v.map("walls", [&] {
     for (std::size_t side = 0; side < 4; ++side) v.choice(side_names[side], s.walls[side], wall_names);
   });
@@ -61,7 +85,20 @@ void visit_scene(Visitor& v, Scene& s) {
     v.number("centre", o.centre, "its place along the wall");
     v.number("width", o.width, "its width, above 0");
   });
-  v.unmodelled({"inserts", "feed", "hopper"});
+  v.list("inserts", s.inserts, nullptr, [&](Insert& i) {
+    if (v.choice("shape", i.shape, shape_names, "a word, e.g. circle"))
+      visit_measures(v, i);
+    else
+      v.skip({"centre", "width", "height", "diameter", "points"});
+  });
+  v.module("hopper", s.hopper, [&](Hopper& h) {
+    v.number("half_angle", h.half_angle, "of the walls against the vertical, in degrees, e.g. 30");
+    v.number("outlet", h.outlet, "the width of the outlet, above 0");
+  });
+  v.module("feed", s.feed, [&](Feed& f) {
+    v.material("material", f.material, s.materials, "the name of a material");
+    v.number("level", f.level, "the height up to which the domain is kept full, above 0");
+  });
   v.map("physics", [&] {
     v.map("rheology", [&] {
       Rheology& r = s.rheology;
@@ -120,6 +157,7 @@ void visit_scene(Visitor& v, Scene& s) {
       v.number("fluidity_tolerance", s.accuracy.fluidity_tolerance);
       v.integer("max_iterations", s.accuracy.max_iterations);
       v.choice("precision", s.accuracy.precision, precision_names);
+      v.choice("solids", s.accuracy.solids, solid_model_names);
       v.map("splitting", [&] {
         v.integer("outer", s.accuracy.splitting.outer);
         v.integer("picard", s.accuracy.splitting.picard);

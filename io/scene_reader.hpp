@@ -78,16 +78,17 @@ class SceneReader {
     }
   }
 
-  /// One of the words; those of `unmodelled` are known but not to this version.
+  /// One of the words; says whether it was one.
   template <class Enum, std::size_t n>
-  void choice(const char* key, Enum& value, const std::array<const char*, n>& words,
-              std::initializer_list<const char*> unmodelled = {}) {
-    const YamlNode* node = child(key);
-    if (!node) return;
-    const int index =
-        read_word(*node, key, {words.begin(), words.end()}, {unmodelled.begin(), unmodelled.end()});
-    if (index >= 0) value = static_cast<Enum>(index);
+  bool choice(const char* key, Enum& value, const std::array<const char*, n>& words,
+              const char* required = nullptr) {
+    const YamlNode* node = child(key, required);
+    const int index = node ? read_word(*node, key, {words.begin(), words.end()}, {}) : -1;
+    if (index < 0) return false;
+    value = static_cast<Enum>(index);
+    return true;
   }
+  /// The only word for a key; those of `unmodelled` are known but not to this version.
   void fixed(const char* key, const char* word, std::initializer_list<const char*> unmodelled) {
     if (const YamlNode* node = child(key))
       read_word(*node, key, {word}, {unmodelled.begin(), unmodelled.end()});
@@ -113,11 +114,15 @@ class SceneReader {
   }
 
   template <class Body>
-  void map(const char* key, Body&& body) {
+  void map(const char* key, Body&& body, bool missed = true) {
     const YamlNode* node = child(key);
     const bool is_map = node && node->kind == Kind::map, sound = is_map || !node || node->kind == Kind::null;
-    levels_.push_back(
-        {is_map ? node : nullptr, node ? node : here().place, join(here().path, key), {}, {}, sound});
+    levels_.push_back({is_map ? node : nullptr,
+                       node ? node : here().place,
+                       join(here().path, key),
+                       {},
+                       {},
+                       sound && missed});
     body();
     const std::vector<std::string> known = here().known;
     leave();
@@ -128,9 +133,10 @@ class SceneReader {
   template <class T, class Body>
   void module(const char* key, std::optional<T>& value, Body&& body) {
     const YamlNode* node = here().node ? here().node->find(key) : nullptr;
-    T unused;  // an absent block's keys are known all the same
+    T unused;  // an absent block's keys are known all the same, and not missed
     if (node) value.emplace();
-    map(key, [&] { body(node ? *value : unused); });
+    map(
+        key, [&] { body(node ? *value : unused); }, node);
   }
 
   template <class T, class Body>
@@ -195,24 +201,34 @@ class SceneReader {
       });
       points = {{x[0], y[0]}, {x[1], y[0]}, {x[1], y[1]}, {x[0], y[1]}};
     } else {
-      map("polygon", [&] {
-        const YamlNode* node = child("points", "its corners in order, e.g. [[0, 0], [10, 0], [5, 8]]");
-        if (!node) return;
-        if (node->kind != Kind::list)
-          return wrong_type(*node, "points", "a list of points, e.g. [[0, 0], [10, 0], [5, 8]]");
-        for (std::size_t k = 0; k < node->items.size(); ++k)
-          read_pair(node->items[k], join(here().path, fmt::format("points.{}", k)), points.emplace_back());
-      });
+      map("polygon", [&] { this->points("points", points); });
     }
   }
 
-  /// Keys of scene files that other versions model.
-  void unmodelled(std::initializer_list<const char*> keys) {
-    for (const char* key : keys) {
-      here().unmodelled.push_back(key);
-      if (const YamlNode* node = here().node ? here().node->find(key) : nullptr)
-        report(*node, key, "is not modelled by this version; remove it.");
-    }
+  void points(const char* key, std::vector<std::array<double, 2>>& values) {
+    const YamlNode* node = child(key, "its corners in order, e.g. [[0, 0], [10, 0], [5, 8]]");
+    if (!node) return;
+    if (node->kind != Kind::list)
+      return wrong_type(*node, key, "a list of points, e.g. [[0, 0], [10, 0], [5, 8]]");
+    for (std::size_t k = 0; k < node->items.size(); ++k)
+      read_pair(node->items[k], join(here().path, fmt::format("{}.{}", key, k)), values.emplace_back());
+  }
+
+  bool has(const char* key) { return here().node && here().node->find(key); }
+
+  /// Keys that nothing can be said about, nor about what they would have set.
+  void skip(std::initializer_list<const char*> keys) {
+    ignore(keys);
+    skipped.push_back(here().path);
+  }
+  /// Keys of other shapes, if they are not those of this one.
+  void foreign(std::initializer_list<const char*> keys) {
+    ignore(keys);
+    for (const char* key : keys)
+      if (has(key) && !contains(here().known, key))
+        report(*here().node->find(key), key,
+               fmt::format("does not belong to a {} (which has {}). Remove it.",
+                           here().node->find("shape")->text, listed(here().known)));
   }
 
   /// Call last: unknown keys, with what they were meant to be, and keys given twice.
@@ -233,13 +249,14 @@ class SceneReader {
   }
 
   std::vector<Finding> findings;
+  std::vector<std::string> skipped;  ///< paths of maps that were not read
 
  private:
   struct Level {
     const YamlNode* node;   // null: absent or not a map
     const YamlNode* place;  // the nearest that is there
     std::string path;
-    std::vector<std::string> known, unmodelled;
+    std::vector<std::string> known, ignored;
     bool sound;  // false: already reported, what it should hold is not missed
   };
   struct Unknown {
@@ -249,6 +266,10 @@ class SceneReader {
   };
 
   Level& here() { return levels_.back(); }
+
+  void ignore(std::initializer_list<const char*> keys) {
+    here().ignored.insert(here().ignored.end(), keys.begin(), keys.end());
+  }
 
   void report(const YamlNode& node, const std::string& key, std::string message) {
     findings.push_back({&node, join(here().path, key), std::move(message)});
@@ -269,7 +290,7 @@ class SceneReader {
   void leave() {
     if (here().node)
       for (const auto& [key, node] : here().node->keys)
-        if (!contains(here().known, key) && !contains(here().unmodelled, key))
+        if (!contains(here().known, key) && !contains(here().ignored, key))
           unknown_.push_back({&node, join(here().path, key), here().known});
     levels_.pop_back();
   }

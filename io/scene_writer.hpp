@@ -33,9 +33,9 @@ class SceneWriter {
     line(key, fmt::format("[{}]", fmt::join(words, ", ")));
   }
   template <class Enum, std::size_t n>
-  void choice(const char* key, Enum value, const std::array<const char*, n>& words,
-              std::initializer_list<const char*> = {}) {
+  bool choice(const char* key, Enum value, const std::array<const char*, n>& words, const char* = nullptr) {
     line(key, words[static_cast<int>(value)]);
+    return true;
   }
   void fixed(const char* key, const char* word, std::initializer_list<const char*>) { line(key, word); }
   template <std::size_t n>
@@ -83,17 +83,23 @@ class SceneWriter {
       line("box", fmt::format("{{x: {}, y: {}}}", point({p[0][0], p[1][0]}), point({p[1][1], p[2][1]})));
       return;
     }
-    std::vector<std::string> points;
-    for (const auto& corner : p) points.push_back(point(corner));
-    line("polygon", fmt::format("{{points: [{}]}}", fmt::join(points, ", ")));
+    line("polygon", fmt::format("{{points: {}}}", listed(p)));
   }
-  void unmodelled(std::initializer_list<const char*>) {}
+  void points(const char* key, const std::vector<std::array<double, 2>>& p) { line(key, listed(p)); }
+  bool has(const char*) { return false; }  // alternatives are not written
+  void skip(std::initializer_list<const char*>) {}
+  void foreign(std::initializer_list<const char*>) {}
 
  private:
   void line(const char* key, const std::string& value) {
     out += fmt::format("{:{}}{}:{}{}\n", "", indent_, key, value.empty() ? "" : " ", value);
   }
   static std::string point(const std::array<double, 2>& p) { return fmt::format("[{}, {}]", p[0], p[1]); }
+  static std::string listed(const std::vector<std::array<double, 2>>& p) {
+    std::vector<std::string> points;
+    for (const auto& corner : p) points.push_back(point(corner));
+    return fmt::format("[{}]", fmt::join(points, ", "));
+  }
   static std::string quoted(const std::string& value) {
     const bool plain = !value.empty() && std::all_of(value.begin(), value.end(), [](unsigned char c) {
       return std::isalnum(c) || c == '_';

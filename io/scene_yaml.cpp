@@ -11,6 +11,7 @@
 #include "io/scene_reader.hpp"
 #include "io/scene_writer.hpp"
 #include "io/yaml_tree.hpp"
+#include "solver/solids.hpp"
 
 namespace hourglass {
 
@@ -156,6 +157,7 @@ Loaded load_scene(const std::filesystem::path& path, const std::vector<std::stri
   visit_scene(reader, scene);
   reader.finish(root);
   apply_scales(scene, root, reader.findings);
+  const bool outlet_added = open_outlet(scene);
 
   struct Placed {
     int line;
@@ -170,12 +172,18 @@ Loaded load_scene(const std::filesystem::path& path, const std::vector<std::stri
                       {where, shown(key), message, fatal}});
   };
   for (const SceneReader::Finding& f : reader.findings) place(*f.node, f.path, f.message, true);
-  for (const Problem& problem : check(scene)) {
-    const bool follows =  // from what is reported already
-        std::any_of(reader.findings.begin(), reader.findings.end(), [&](const SceneReader::Finding& f) {
-          return f.value_lost && (f.path == problem.path || f.path.starts_with(problem.path + ".") ||
-                                  problem.path.starts_with(f.path + "."));
-        });
+  for (Problem& problem : check(scene)) {
+    if (outlet_added && problem.path.starts_with(fmt::format("orifices.{}", scene.orifices.size() - 1)))
+      problem.path = "hopper.outlet";  // the file names no such orifice
+    const bool follows =               // from what is reported already
+        std::any_of(reader.findings.begin(), reader.findings.end(),
+                    [&](const SceneReader::Finding& f) {
+                      return f.value_lost &&
+                             (f.path == problem.path || f.path.starts_with(problem.path + ".") ||
+                              problem.path.starts_with(f.path + "."));
+                    }) ||
+        std::any_of(reader.skipped.begin(), reader.skipped.end(),
+                    [&](const std::string& skipped) { return problem.path.starts_with(skipped + "."); });
     if (!follows) place(nearest_node(root, problem.path), problem.path, problem.message, problem.fatal);
   }
   std::stable_sort(placed.begin(), placed.end(),

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/polygon.hpp"
+#include "solver/scene_checks.hpp"
 #include "solver/simulation.hpp"
 
 namespace hourglass {
@@ -61,33 +63,6 @@ namespace {
 
 constexpr double bytes_per_cell = 600;    // of everything that a run allocates, about
 constexpr long coarsest_cells = 32 * 32;  // the multigrid solves its coarsest level directly
-constexpr double edge_tolerance = 1e-6;   // in cells: what still counts as on a cell edge
-
-class Problems {
- public:
-  void error(std::string path, std::string message) {
-    list.push_back({std::move(path), std::move(message), true});
-  }
-  void warn(std::string path, std::string message) {
-    list.push_back({std::move(path), std::move(message), false});
-  }
-  /// A number that must be finite and `ok`; says whether it is.
-  bool require(bool ok, const std::string& path, double value, std::string_view allowed,
-               std::string_view cure = "") {
-    if (ok && std::isfinite(value)) return true;
-    error(path,
-          fmt::format("{} is out of range (must be {}).{}{}", value, allowed, cure.empty() ? "" : " ", cure));
-    return false;
-  }
-
-  std::vector<Problem> list;
-};
-
-bool is_whole(double x) { return std::abs(x - std::round(x)) <= edge_tolerance; }
-
-double along(const Scene& s, Side side) {
-  return side == Side::left || side == Side::right ? s.height : s.width;
-}
 
 /// The multigrid's coarsest grid (solver/multigrid.hpp).
 std::array<int, 2> coarsest(int nx, int ny) {
@@ -95,26 +70,17 @@ std::array<int, 2> coarsest(int nx, int ny) {
   return {nx, ny};
 }
 
+bool is_whole(double x) { return std::abs(x - std::round(x)) <= edge_tolerance; }
+
 bool coarsens(int nx, int ny) {
   const auto [cx, cy] = coarsest(nx, ny);
   return static_cast<long>(cx) * cy <= coarsest_cells;
 }
 
-/// Whether this count gives a whole height, coarsens, and puts all ends of orifices on cell edges.
-bool suits(const Scene& s, int cells_x, bool with_orifices) {
-  const double h = s.width / cells_x, cells_y = s.height / h;
-  if (cells_x < 2 || cells_y < 2 || cells_y > 1e6 || !is_whole(cells_y)) return false;
-  if (!coarsens(cells_x, static_cast<int>(std::lround(cells_y)))) return false;
-  return !with_orifices || std::all_of(s.orifices.begin(), s.orifices.end(), [&](const Orifice& o) {
-    return is_whole((o.centre - o.width / 2) / h) && is_whole((o.centre + o.width / 2) / h);
-  });
-}
-
 /// The first count that suits from `start` on, in steps of +1 or -1; 0 if there is none near.
 int nearest_count(const Scene& s, int start, int step) {
-  for (const bool with_orifices : {true, false})
-    for (int n = start; n >= 2 && std::abs(n - start) < 4096; n += step)
-      if (suits(s, n, with_orifices)) return n;
+  for (int n = start; n >= 2 && std::abs(n - start) < 4096; n += step)
+    if (suits(s, n)) return n;
   return 0;
 }
 
@@ -255,21 +221,10 @@ void check_materials(const Scene& s, Problems& p) {
            fmt::format("{} is not below the grains' density {}.", s.air.density, s.materials[0].density));
 }
 
-/// Twice the area, positive for corners in counterclockwise order.
-double twice_area(const std::vector<std::array<double, 2>>& points) {
-  double sum = 0;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const auto [ax, ay] = points[k];
-    const auto [bx, by] = points[(k + 1) % points.size()];
-    sum += (ax - points[0][0]) * (by - points[0][1]) - (bx - points[0][0]) * (ay - points[0][1]);
-  }
-  return sum;
-}
-
 /// Corners turn one way only, and once around.
 bool is_convex(const std::vector<std::array<double, 2>>& points) {
   const std::size_t n = points.size();
-  double turned = 0, sense = twice_area(points) > 0 ? 1 : -1;
+  double turned = 0, sense = twice_signed_area(points) > 0 ? 1 : -1;
   for (std::size_t k = 0; k < n; ++k) {
     const auto [ax, ay] = points[k];
     const auto [bx, by] = points[(k + 1) % n];
@@ -283,7 +238,7 @@ bool is_convex(const std::vector<std::array<double, 2>>& points) {
 }
 
 bool contains(const Fill& fill, double x, double y) {
-  const double sense = twice_area(fill.points) > 0 ? 1 : -1;
+  const double sense = twice_signed_area(fill.points) > 0 ? 1 : -1;
   for (std::size_t k = 0; k < fill.points.size(); ++k) {
     const auto [ax, ay] = fill.points[k];
     const auto [bx, by] = fill.points[(k + 1) % fill.points.size()];
@@ -297,11 +252,7 @@ bool has_grains(const Scene& s) {
   const Patch patch = s.patch();
   for (int j = 0; j < patch.ny; ++j)
     for (int i = 0; i < patch.nx; ++i)
-      for (auto fill = s.fill.rbegin(); fill != s.fill.rend(); ++fill)
-        if (contains(*fill, patch.x_centre(i), patch.y_centre(j))) {
-          if (fill->material >= 0) return true;
-          break;
-        }
+      if (painted(s, patch.x_centre(i), patch.y_centre(j)) >= 0) return true;
   return false;
 }
 
@@ -321,7 +272,7 @@ void check_fill(const Scene& s, bool domain_sound, Problems& p) {
       p.error(path, fmt::format("has {} corners (3 to 1000).", f.points.size()));
     else if (!finite)
       p.error(path, "has a corner that is not finite.");
-    else if (twice_area(f.points) == 0)
+    else if (twice_signed_area(f.points) == 0)
       p.error(path, "encloses no area. Move its corners apart.");
     else if (!is_convex(f.points))
       p.error(path, "is not convex, or its corners are not in order around it. Split it into convex fills.");
@@ -347,75 +298,6 @@ void check_fill(const Scene& s, bool domain_sound, Problems& p) {
         "fill",
         fmt::format("puts no grains into the domain (x 0 to {}, y 0 to {}). {}", s.width, s.height,
                     outside ? "Move the fills inside." : "Check that air does not paint over all of them."));
-}
-
-void check_orifice(const Scene& s, std::size_t k, Problems& p) {
-  const Orifice& o = s.orifices[k];
-  const std::string path = fmt::format("orifices.{}", k), wall = side_names[static_cast<int>(o.wall)];
-  const double h = s.width / s.cells_x, length = along(s, o.wall), tolerance = edge_tolerance * h;
-  const double low = o.centre - o.width / 2, high = o.centre + o.width / 2, cells = o.width / h;
-  const auto count_for = [&](double wanted) {  // cells_x that makes the neck this many cells wide
-    const double least = wanted * s.width / o.width;
-    if (least > 1e6) return std::string("a wider orifice");
-    const int n = nearest_count(s, static_cast<int>(std::ceil(least - 1e-9)), +1);
-    return fmt::format("cells_x >= {}", n ? n : static_cast<int>(std::ceil(least)));
-  };
-  if (s.wall(o.wall) == Wall::open || s.wall(o.wall) == Wall::periodic)
-    p.error(path + ".wall",
-            fmt::format("the {} wall is {} and cannot have an orifice (only no_slip or free_slip). "
-                        "Remove the orifice, or make walls.{} no_slip.",
-                        wall, wall_names[static_cast<int>(s.wall(o.wall))], wall));
-  for (std::size_t other = 0; other < k; ++other) {
-    const Orifice& q = s.orifices[other];
-    const double gap = std::abs(o.centre - q.centre) - (o.width + q.width) / 2;
-    if (q.wall == o.wall && gap < -tolerance)
-      p.error(
-          path + ".centre",
-          fmt::format("overlaps orifice {} by {:.6g}. Move them apart; touching is allowed.", other, -gap));
-  }
-  if (low < -tolerance || high > length + tolerance) {
-    p.error(path + ".centre",
-            o.width > length
-                ? fmt::format("the orifice is wider ({}) than the {} wall ({}).", o.width, wall, length)
-                : fmt::format(
-                      "the orifice reaches from {:.6g} to {:.6g}, beyond the {} wall (0 to {}). Use a centre "
-                      "from {:.12g} to {:.12g}.",
-                      low, high, wall, length, o.width / 2, length - o.width / 2));
-  } else if (cells < 2 - edge_tolerance) {
-    p.error(path + ".width", fmt::format("the neck is {:.3g} cells wide (must be at least 2; use >= 8: {}).",
-                                         cells, count_for(8)));
-  } else if (!coarsens(s.patch().nx, s.patch().ny)) {
-    return;  // the grid will change, and its cells with it
-  } else if (!is_whole(low / h) || !is_whole(high / h)) {
-    const double a = std::round(low / h) * h, b = std::max(std::round(high / h), std::round(low / h) + 2) * h;
-    p.error(path, fmt::format(
-                      "its ends, {:.6g} and {:.6g}, are not on cell edges (multiples of {:.6g}). Use centre "
-                      "{:.12g} and width {:.12g}.",
-                      low, high, h, (a + b) / 2, b - a));
-  } else if (cells < 8 - edge_tolerance) {
-    p.warn(path + ".width", fmt::format("neck is {:.3g} cells wide; use >= 8 ({}).", cells, count_for(8)));
-  }
-}
-
-void check_walls(const Scene& s, bool domain_sound, Problems& p) {
-  const bool left = s.wall(Side::left) == Wall::periodic, right = s.wall(Side::right) == Wall::periodic;
-  if (left != right)
-    p.error(left ? "walls.right" : "walls.left",
-            fmt::format("is {} while the opposite wall is periodic (both or neither). Make both periodic.",
-                        wall_names[static_cast<int>(s.wall(left ? Side::right : Side::left))]));
-  for (const Side side : {Side::bottom, Side::top})
-    if (s.wall(side) == Wall::periodic)
-      p.error(
-          fmt::format("walls.{}", side_names[static_cast<int>(side)]),
-          "periodic is not possible here (no_slip, free_slip, open). Only left and right can be periodic.");
-  for (std::size_t k = 0; k < s.orifices.size(); ++k) {
-    const Orifice& o = s.orifices[k];
-    const std::string path = fmt::format("orifices.{}", k);
-    bool sound = domain_sound && std::isfinite(o.centre);
-    if (!std::isfinite(o.centre)) p.error(path + ".centre", fmt::format("{} is not finite.", o.centre));
-    sound &= p.require(o.width > 0, path + ".width", o.width, "> 0");
-    if (sound) check_orifice(s, k, p);
-  }
 }
 
 void check_numerics(const Scene& s, Problems& p) {
@@ -511,10 +393,8 @@ void check_modules(const Scene& s, Problems& p) {
 
 /// Through an orifice, or over an open side that gravity does not keep them from.
 bool grains_can_leave(const Scene& s) {
-  const std::array<double, 4> outward{-s.gravity[0], s.gravity[0], -s.gravity[1],
-                                      s.gravity[1]};  // g along the normal
-  for (std::size_t side = 0; side < 4; ++side)
-    if (s.walls[side] == Wall::open && outward[side] >= 0) return true;
+  for (const Side side : {Side::left, Side::right, Side::bottom, Side::top})
+    if (leaves_over(s, side)) return true;
   return !s.orifices.empty();
 }
 
@@ -561,7 +441,42 @@ void check_output(const Scene& s, Problems& p) {
   }
 }
 
+void check_feed(const Scene& s, Problems& p) {
+  if (!s.feed) return;
+  const int materials = static_cast<int>(s.materials.size());
+  if (s.feed->material < 0 || s.feed->material >= materials)
+    p.error("feed.material", "is not a material (one of the scene's, not air).");
+  p.require(s.feed->level > 0 && s.feed->level <= s.height, "feed.level", s.feed->level,
+            fmt::format("above 0, at most the height {}", s.height), "Up to there the silo stays filled.");
+}
+
 }  // namespace
+
+/// Whether this count gives a whole height and coarsens.
+bool suits(const Scene& s, int cells_x) {
+  const double cells_y = s.height / (s.width / cells_x);
+  if (cells_x < 2 || cells_y < 2 || cells_y > 1e6 || !is_whole(cells_y)) return false;
+  return coarsens(cells_x, static_cast<int>(std::lround(cells_y)));
+}
+
+std::string cells_for(const Scene& s, double size, double cells, const char* or_else) {
+  const double least = cells * s.width / size;
+  if (least > 1e6) return or_else;
+  const int n = nearest_count(s, static_cast<int>(std::ceil(least - 1e-9)), +1);
+  return fmt::format("cells_x >= {}", n ? n : static_cast<int>(std::ceil(least)));
+}
+
+bool leaves_over(const Scene& s, Side side) {
+  const std::array<double, 4> outward{-s.gravity[0], s.gravity[0], -s.gravity[1],
+                                      s.gravity[1]};  // g along the normal
+  return s.wall(side) == Wall::open && outward[static_cast<std::size_t>(side)] >= 0;
+}
+
+int painted(const Scene& s, double x, double y) {
+  for (auto fill = s.fill.rbegin(); fill != s.fill.rend(); ++fill)
+    if (contains(*fill, x, y)) return fill->material;
+  return -1;
+}
 
 std::vector<Problem> check(const Scene& scene) {
   Problems problems;
@@ -569,7 +484,9 @@ std::vector<Problem> check(const Scene& scene) {
   const bool domain_sound = check_domain(scene, problems);
   check_materials(scene, problems);
   check_fill(scene, domain_sound, problems);
-  check_walls(scene, domain_sound, problems);
+  check_feed(scene, problems);
+  check_openings(scene, domain_sound, problems);
+  check_solids(scene, domain_sound, problems);
   check_numerics(scene, problems);
   check_modules(scene, problems);
   check_time(scene, problems);

@@ -201,6 +201,6 @@ TEST_CASE("plan: the copy is halved while the scene stays sound and its orifices
   CHECK(coarsened(scene, 64 * 64).cells_x == 64);
   CHECK(coarsened(scene, 1000).cells_x == 16);
   CHECK(coarsened(scene, 1).cells_x == 16);     // 8 cells
-  scene.orifices[0].width = 30 * 9 / 64.0 * 2;  // 18 cells, from 23 to 41
-  CHECK(coarsened(scene, 1).cells_x == 64);
+  scene.orifices[0].width = 30 * 9 / 64.0 * 2;  // 18 cells; of 9 the ends are within cells
+  CHECK(coarsened(scene, 1).cells_x == 32);
 }

@@ -155,10 +155,10 @@ TEST_CASE("the grid: whole height, multigrid, memory; the cures work") {
   expect(only_problem([](Scene& s) { s.height = 150.5; }), error, "domain.height",
          {"128.427 cells", "come out whole", "height 150 ", "height 159.375"});
   expect(only_problem([](Scene& s) { s.cells_x = 150; }), error, "grid.cells_x",
-         {"150 x 150 cells can be halved only to 75 x 75", "cells_x 144", "cells_x 160"});
+         {"150 x 150 cells can be halved only to 75 x 75", "cells_x 144", "cells_x 152"});
   expect(only_problem([](Scene& s) { s.cells_x = 1 << 20; }), error, "grid.cells_x",
          {"600 bytes a cell", "this machine has", "Use cells_x <= "});
-  for (const int cells_x : {144, 160}) {
+  for (const int cells_x : {144, 152}) {
     Scene s = sound();
     s.cells_x = cells_x;
     CHECK(check(s).empty());
@@ -168,7 +168,7 @@ TEST_CASE("the grid: whole height, multigrid, memory; the cures work") {
   CHECK(check(s).empty());
 }
 
-TEST_CASE("orifices: inside the wall, wide enough, on cell edges, apart; the cures work") {
+TEST_CASE("orifices: inside the wall, wide enough, apart; the cures work") {
   const auto orifice = [](double centre, double width, Side wall = Side::bottom) {
     return [=](Scene& s) { s.orifices[0] = {wall, centre, width}; };
   };
@@ -178,8 +178,6 @@ TEST_CASE("orifices: inside the wall, wide enough, on cell edges, apart; the cur
          {"wider (300) than the bottom wall (150)"});
   expect(only_problem(orifice(75, 1.5)), error, "orifices.0.width",
          {"the neck is 1.28 cells wide (must be at least 2; use >= 8: cells_x >= 800)"});
-  expect(only_problem(orifice(75.3, 18.75)), error, "orifices.0",
-         {"not on cell edges", "Use centre 75 and width 18.75"});
   expect(only_problem(orifice(75, 4 * 150. / 128)), warning, "orifices.0.width",
          {"neck is 4 cells wide; use >= 8 (cells_x >= 256)"});
   expect(only_problem(orifice(75, 18.75, Side::top)), error, "orifices.0.wall", {"top wall is open"});
@@ -190,6 +188,8 @@ TEST_CASE("orifices: inside the wall, wide enough, on cell edges, apart; the cur
   Scene s = sound();
   s.orifices.push_back({Side::bottom, 93.75, 18.75});  // touches
   s.orifices.push_back({Side::left, 75, 18.75});
+  CHECK(check(s).empty());
+  s.orifices[0].centre = 74.7;  // off the cell edges is as good
   CHECK(check(s).empty());
 }
 
