@@ -34,7 +34,7 @@ constexpr int key_width = 52;     // of an overlay's sign in the legend
 constexpr double solid_line = 2;  // around solids
 
 constexpr Colour black{0, 0, 0}, white{255, 255, 255}, dark{40, 40, 40}, grey{150, 150, 150},
-    air{238, 238, 238}, solid{178, 178, 178}, sample{72, 40, 120};  // sample: the ground of a legend's sign
+    air{238, 238, 238}, solid{178, 178, 178}, sample{49, 104, 142};  // sample: the ground of a legend's sign
 
 // ---- text -------------------------------------------------------------------------------------------------
 
@@ -140,7 +140,12 @@ struct Ground {
         grains(carried_on(
             picture.grains, [&](int i, int j) { return solids.none(i, j); }, 4)) {
     const auto in_grains = [&](int i, int j) { return !solids.all(i, j) && grains(i, j) >= 0.5; };
-    values = picture.show_air ? picture.values : carried_on(picture.values, in_grains, 2);
+    if (picture.show_air) {
+      values = carried_on(
+          picture.values, [&](int i, int j) { return solids.none(i, j); }, 4);
+    } else {
+      values = carried_on(picture.values, in_grains, 2);
+    }
     if (!picture.velocity_x.allocated()) return;
     velocity_x = carried_on(picture.velocity_x, in_grains, 2);
     velocity_y = carried_on(picture.velocity_y, in_grains, 2);
@@ -251,7 +256,7 @@ std::vector<Note> notes_of(const Picture& picture, const Ground& ground, double 
       lo = std::min(lo, value);
       hi = std::max(hi, value);
     });
-    notes.push_back({fmt::format("values: {} to {}", number_text(lo, 3), number_text(hi, 3))});
+    notes.push_back({fmt::format("full range: {} to {}", number_text(lo, 3), number_text(hi, 3))});
   }
   return notes;
 }
@@ -345,14 +350,14 @@ Layout layout_of(const Picture& picture, const ColourScale& scale) {
   l.notes = notes_of(picture, *l.ground, l.cell, l.under || l.over);
   int header = l.w;
   for (const Note& note : l.notes) header = std::max(header, note.width());
-  const int foot = l.y + l.h + wall + gap, header_height = arrange(l.notes, header);
+  const int header_height = arrange(l.notes, header);
   l.width = std::max(l.x + l.w + right, header + 2 * margin);
+  l.height = std::max(l.y + l.h + wall + header_height + margin, picture.least_size[1]);
   for (Note& note : l.notes) {
     note.x += std::max(margin, std::min(l.x, l.width - margin - header));
-    note.y += foot;
+    note.y += l.height - margin - header_height + gap;  // from the top, for videos
   }
   l.width = std::max(l.width, picture.least_size[0]);
-  l.height = std::max(foot - gap + header_height + margin, picture.least_size[1]);
   return l;
 }
 
@@ -457,13 +462,22 @@ double hatching(int a, int b) {
   return std::clamp(1.5 - across, 0.0, 1.0);
 }
 
-/// Marks grains that hardly move; distance: pixels to their rim, positive outside.
-void mark_quasi_static(unsigned char* pixel, int a, int b, double distance) {
-  const double inside = std::clamp(0.5 - distance, 0.0, 1.0),
-               rim = std::clamp(1.75 - std::abs(distance), 0.0, 1.0);
-  const Colour ink = ink_on(pixel);
-  blend(pixel, ink, 0.55 * inside * hatching(a, b));
-  blend(pixel, ink, rim);
+/// White with a dark rim: to be seen on every colour.
+struct Line {
+  static constexpr double width = 2, rim = 2;
+  double core = 0, all = 0;  ///< shares of the pixel
+
+  void paint(unsigned char* pixel) const {
+    blend(pixel, black, 0.5 * all);
+    blend(pixel, white, core);
+  }
+};
+
+/// Marks grains that hardly move; distance: pixels to their edge, positive outside.
+void mark_quasi_static(unsigned char* pixel, const Colour& ink, int a, int b, double distance) {
+  const auto within = [&](double reach) { return std::clamp(reach + 0.5 - std::abs(distance), 0.0, 1.0); };
+  blend(pixel, ink, 0.5 * std::clamp(0.5 - distance, 0.0, 1.0) * hatching(a, b));
+  Line{within(0.75 * Line::width), within(0.75 * Line::width + Line::rim)}.paint(pixel);
 }
 
 /// log10 of speed over the threshold, cut off far from it.
@@ -478,10 +492,21 @@ CellField slowness_of(const Picture& picture, const Ground& ground) {
   return smoothed(out);
 }
 
+struct Lines {
+  Strokes core, all;
+
+  Lines(int w, int h) : core(w, h), all(w, h) {}
+  void add(const Polygon& points) {
+    core.add(points, Line::width);
+    all.add(points, Line::width + 2 * Line::rim);
+  }
+  Line at(int a, int b) const { return {core(a, b), all(a, b)}; }
+};
+
 /// Streamlines with arrowheads, in pixels.
-Strokes streamlines_of(const Picture& picture, const Ground& ground, const Layout& l) {
-  constexpr double line = 2, head = 11, slope = 0.42, heads_apart = 240;
-  Strokes strokes(l.w, l.h);
+Lines streamlines_of(const Picture& picture, const Ground& ground, const Layout& l) {
+  constexpr double head = 11, slope = 0.42, heads_apart = 240;
+  Lines lines(l.w, l.h);
   const CellField& values = picture.values;
   StreamlineField field{double(values.nx()), double(values.ny()),
                         [&](const Point& p) { return ground.velocity(p[0], p[1]); },
@@ -494,9 +519,11 @@ Strokes streamlines_of(const Picture& picture, const Ground& ground, const Layou
     }
   }
   field.least_speed = fastest * std::pow(10.0, -streamline_decades);
+  if (has(picture, Overlay::quasi_static))
+    field.least_speed = std::max(field.least_speed, picture.slow_speed);
   for (Polygon points : streamlines(field, widest_spacing / l.cell)) {
     for (auto& p : points) p = {p[0] * l.cell, p[1] * l.cell};
-    strokes.add(points, line);
+    lines.add(points);
     double run = heads_apart / 2;
     for (std::size_t k = 2; k + 1 < points.size(); ++k) {
       const Point e{points[k][0] - points[k - 2][0], points[k][1] - points[k - 2][1]};
@@ -508,10 +535,10 @@ Strokes streamlines_of(const Picture& picture, const Ground& ground, const Layou
         return Point{points[k][0] - head / length * (e[0] - side * slope * e[1]),
                      points[k][1] - head / length * (e[1] + side * slope * e[0])};
       };
-      strokes.add({corner(1), points[k], corner(-1)}, line);
+      lines.add({corner(1), points[k], corner(-1)});
     }
   }
-  return strokes;
+  return lines;
 }
 
 /// Every cell in its colour, air blank, the overlays, the free surface as a black line, the arrows, and the solids.
@@ -522,7 +549,7 @@ vtkNew<vtkImageData> field_image(const Picture& picture, const ColourScale& scal
   const CellField share = smoothed(ground.grains);
   const bool marks_slow = has(picture, Overlay::quasi_static);
   const CellField slowness = marks_slow ? slowness_of(picture, ground) : CellField();
-  std::optional<Strokes> lines;
+  std::optional<Lines> lines;
   if (has(picture, Overlay::streamlines)) lines = streamlines_of(picture, ground, l);
   std::vector<Colour> colours(values.nx());
   int coloured = -1;
@@ -536,9 +563,11 @@ vtkNew<vtkImageData> field_image(const Picture& picture, const ColourScale& scal
     const double grains = std::clamp(distance + 0.5, 0.0, 1.0);
     set(pixel, air);
     blend(pixel, colours[std::min(static_cast<int>(x), values.nx() - 1)], picture.show_air ? 1 : grains);
-    if (marks_slow && distance > 0)
-      mark_quasi_static(pixel, a, b, contour_distance(slowness, 0, x, y, l.cell));
-    if (lines) blend(pixel, ink_on(pixel), grains * (*lines)(a, b));
+    if (distance > 0) {
+      if (marks_slow)
+        mark_quasi_static(pixel, ink_on(pixel), a, b, contour_distance(slowness, 0, x, y, l.cell));
+      if (lines) lines->at(a, b).paint(pixel);
+    }
     blend(pixel, black, std::clamp((line + 1) / 2 - std::abs(distance), 0.0, 1.0));
   });
   for (const Arrow& arrow : arrows_of(picture, ground, l.cell)) stamp(image, arrow, l.cell);
@@ -733,15 +762,15 @@ class Painting : public vtkContextItem {
 
   static void paint_key(vtkContext2D* context, Overlay overlay, int x, int y) {
     constexpr int h = tick_font;
-    Strokes line(key_width, h);
-    line.add({{0, h / 2.0}, {key_width, h / 2.0}}, 2);
-    line.add({{24, h / 2.0 + 5}, {35, h / 2.0}, {24, h / 2.0 - 5}}, 2);
+    Lines line(key_width, h);
+    line.add({{0, h / 2.0}, {key_width, h / 2.0}});
+    line.add({{24, h / 2.0 + 5}, {35, h / 2.0}, {24, h / 2.0 - 5}});
     const vtkNew<vtkImageData> key = image_of(key_width, h, [&](unsigned char* pixel, int a, int b) {
       set(pixel, sample);
       if (overlay == Overlay::streamlines) {
-        blend(pixel, white, line(a, b));
+        line.at(a, b).paint(pixel);
       } else {
-        mark_quasi_static(pixel, a, b, -1.0 - std::min({a, b, key_width - 1 - a, h - 1 - b}));
+        mark_quasi_static(pixel, white, a, b, -1.0 - std::min({a, b, key_width - 1 - a, h - 1 - b}));
       }
     });
     context->DrawImage(float(x), float(y), key);
