@@ -520,7 +520,7 @@ Lines streamlines_of(const Picture& picture, const Ground& ground, const Layout&
   }
   field.least_speed = fastest * std::pow(10.0, -streamline_decades);
   if (has(picture, Overlay::quasi_static))
-    field.least_speed = std::max(field.least_speed, picture.slow_speed);
+    field.least_speed = std::max(field.least_speed, 2 * picture.slow_speed);  // clear of its edge
   for (Polygon points : streamlines(field, widest_spacing / l.cell)) {
     for (auto& p : points) p = {p[0] * l.cell, p[1] * l.cell};
     lines.add(points);
