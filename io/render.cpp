@@ -463,7 +463,7 @@ double hatching(int a, int b) {
 }
 
 /// White with a dark rim: to be seen on every colour.
-struct Line {
+struct WhiteLine {
   static constexpr double width = 2, rim = 2;
   double core = 0, all = 0;  ///< shares of the pixel
 
@@ -477,7 +477,7 @@ struct Line {
 void mark_quasi_static(unsigned char* pixel, const Colour& ink, int a, int b, double distance) {
   const auto within = [&](double reach) { return std::clamp(reach + 0.5 - std::abs(distance), 0.0, 1.0); };
   blend(pixel, ink, 0.5 * std::clamp(0.5 - distance, 0.0, 1.0) * hatching(a, b));
-  Line{within(0.75 * Line::width), within(0.75 * Line::width + Line::rim)}.paint(pixel);
+  WhiteLine{within(0.75 * WhiteLine::width), within(0.75 * WhiteLine::width + WhiteLine::rim)}.paint(pixel);
 }
 
 /// log10 of speed over the threshold, cut off far from it.
@@ -492,21 +492,21 @@ CellField slowness_of(const Picture& picture, const Ground& ground) {
   return smoothed(out);
 }
 
-struct Lines {
+struct WhiteLines {
   Strokes core, all;
 
-  Lines(int w, int h) : core(w, h), all(w, h) {}
+  WhiteLines(int w, int h) : core(w, h), all(w, h) {}
   void add(const Polygon& points) {
-    core.add(points, Line::width);
-    all.add(points, Line::width + 2 * Line::rim);
+    core.add(points, WhiteLine::width);
+    all.add(points, WhiteLine::width + 2 * WhiteLine::rim);
   }
-  Line at(int a, int b) const { return {core(a, b), all(a, b)}; }
+  WhiteLine at(int a, int b) const { return {core(a, b), all(a, b)}; }
 };
 
 /// Streamlines with arrowheads, in pixels.
-Lines streamlines_of(const Picture& picture, const Ground& ground, const Layout& l) {
+WhiteLines streamlines_of(const Picture& picture, const Ground& ground, const Layout& l) {
   constexpr double head = 11, slope = 0.42, heads_apart = 240;
-  Lines lines(l.w, l.h);
+  WhiteLines lines(l.w, l.h);
   const CellField& values = picture.values;
   StreamlineField field{double(values.nx()), double(values.ny()),
                         [&](const Point& p) { return ground.velocity(p[0], p[1]); },
@@ -549,7 +549,7 @@ vtkNew<vtkImageData> field_image(const Picture& picture, const ColourScale& scal
   const CellField share = smoothed(ground.grains);
   const bool marks_slow = has(picture, Overlay::quasi_static);
   const CellField slowness = marks_slow ? slowness_of(picture, ground) : CellField();
-  std::optional<Lines> lines;
+  std::optional<WhiteLines> lines;
   if (has(picture, Overlay::streamlines)) lines = streamlines_of(picture, ground, l);
   std::vector<Colour> colours(values.nx());
   int coloured = -1;
@@ -762,7 +762,7 @@ class Painting : public vtkContextItem {
 
   static void paint_key(vtkContext2D* context, Overlay overlay, int x, int y) {
     constexpr int h = tick_font;
-    Lines line(key_width, h);
+    WhiteLines line(key_width, h);
     line.add({{0, h / 2.0}, {key_width, h / 2.0}});
     line.add({{24, h / 2.0 + 5}, {35, h / 2.0}, {24, h / 2.0 - 5}});
     const vtkNew<vtkImageData> key = image_of(key_width, h, [&](unsigned char* pixel, int a, int b) {
