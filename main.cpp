@@ -41,8 +41,8 @@ class SignalWatch : public Observer {
 
 struct Arguments {
   std::string scene, out, run;
-  std::vector<std::string> sets, fields;
-  std::vector<double> times;
+  std::vector<std::string> sets, overlays;
+  RenderOptions render;
   int threads = -1;
   bool resume = false, force = false, quiet = false;
 };
@@ -79,6 +79,14 @@ int run(const Arguments& a) {
   if (summary.status == Status::interrupted && caught_signal) return by_signal + caught_signal;
   fmt::print(stderr, "{}\n", summary.reason);
   return failed;
+}
+
+int render(Arguments a) {
+  for (const std::string& name : a.overlays) {
+    const auto at = std::find(overlay_names.begin(), overlay_names.end(), name);
+    a.render.overlays.push_back(static_cast<Overlay>(at - overlay_names.begin()));
+  }
+  return render_run(a.run, a.render);
 }
 
 /// What a run of the scene would be. Writes nothing.
@@ -155,13 +163,27 @@ int main(int argc, char** argv) {
       ->type_name("RUN")
       ->check(CLI::ExistingDirectory);
   render_command
-      ->add_option("--field", a.fields, "field to draw; may be repeated (default: all that are stored)")
+      ->add_option("--field", a.render.fields,
+                   "field to draw; may be repeated (default: all that are stored)")
       ->type_name("F")
       ->allow_extra_args(false);
   render_command
-      ->add_option("--time", a.times, "draw the frame nearest to this time; may be repeated (default: all)")
+      ->add_option("--time", a.render.times,
+                   "draw the frame nearest to this time; may be repeated (default: all)")
       ->type_name("T")
       ->allow_extra_args(false);
+  render_command
+      ->add_option("--overlay", a.overlays,
+                   "draw over the colours: quasi_static or streamlines; may be repeated")
+      ->type_name("O")
+      ->check(CLI::IsMember(std::vector<std::string>(overlay_names.begin(), overlay_names.end())))
+      ->allow_extra_args(false);
+  render_command->add_flag("--half", a.render.half,
+                           "of a mirrored or axisymmetric domain draw only the half");
+  render_command
+      ->add_flag("--animate", a.render.animate,
+                 "a video of each field, <field>.ogv, and its pictures, frames/")
+      ->excludes("--time");
 
   try {
     app.parse(argc, argv);
@@ -172,7 +194,7 @@ int main(int argc, char** argv) {
     if (*run_command) return run(a);
     if (*check_command) return check(a);
     if (*plan_command) return plan(a);
-    return render_run(a.run, a.fields, a.times);
+    return render(a);
   } catch (const std::invalid_argument& error) {  // what was asked for cannot be: nothing was written
     fmt::print(stderr, "{}\n", error.what());
     return wrong_input;

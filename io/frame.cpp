@@ -3,15 +3,25 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
+
+#include "solver/solids.hpp"
 
 namespace hourglass {
 
 RunInfo info_of(const Scene& scene) {
-  RunInfo info{scene.name, scene.units, scene.patch(), scene.walls, scene.orifices, {}};
+  RunInfo info;
+  info.name = scene.name;
+  info.units = scene.units;
+  info.patch = scene.patch();
+  info.walls = scene.walls;
+  info.orifices = scene.orifices;
   for (const Material& m : scene.materials) info.materials.push_back(m.name);
-  const Output& o = scene.output;
-  info.snapshots_are_frames = o.snapshots_every == 0 || o.snapshots_every == o.fields_every;
+  info.symmetry = scene.symmetry;
+  info.coordinates = scene.coordinates;
+  for (const Insert& insert : scene.inserts) info.solids.push_back(outline_of(insert));
+  if (!scene.materials.empty()) info.slow_speed = 1e-3 * std::sqrt(scene.g() * scene.materials[0].diameter);
   return info;
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "kernels/polygon.hpp"
 #include "solver/simulation.hpp"
 
 namespace hourglass {
@@ -17,7 +18,15 @@ struct RunInfo {
   std::array<Wall, 4> walls{};  ///< by Side
   std::vector<Orifice> orifices;
   std::vector<std::string> materials;
-  bool snapshots_are_frames = true;  ///< what snapshots the run drew are of the frames, one by one
+  Symmetry symmetry = Symmetry::none;
+  Coordinates coordinates = Coordinates::cartesian;
+  std::vector<Polygon> solids;  ///< outlines of what is solid in the domain; they may overlap
+  double slow_speed = 0;        ///< slower grains count as quasi-static [L/T]; 0: not known
+
+  /// The left edge is not a wall but the middle of what is meant.
+  bool left_is_middle() const {
+    return symmetry == Symmetry::mirror || coordinates == Coordinates::axisymmetric;
+  }
 };
 
 RunInfo info_of(const Scene& scene);

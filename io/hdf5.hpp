@@ -82,6 +82,12 @@ inline Id group(hid_t parent, const std::string& name) {
   return {H5Gopen2(parent, name.c_str(), H5P_DEFAULT), H5Gclose, "group " + name};
 }
 
+inline hsize_t member_count(hid_t group) {
+  H5G_info_t about;
+  checked(H5Gget_info(group, &about), "group");
+  return about.nlinks;
+}
+
 /// A group whose own header lists its members, with room for `members` names of `name_length` letters: adding
 /// one of these changes a few bytes in one place of the file.
 inline Id create_compact_group(hid_t parent, const std::string& name, unsigned members,

@@ -33,9 +33,9 @@ constexpr const char* log_mark = "hourglass";   ///< in the first line of every 
 constexpr const char* file_names[] = {log_name,      "scene.yaml",    "series.csv",  "fields.h5",
                                       "fields.xdmf", "checkpoint.h5", "summary.json"};
 
-/// <field>_<four or more digits>.png or <field>_t<time>.png with a field of ours.
-bool is_snapshot(const fs::path& path) {
-  static const std::regex pattern("(.+)_([0-9]{4,}|t[0-9.e+-]+)[.]png");
+/// <field>_<four or more digits>.png with a field of ours.
+bool is_picture(const fs::path& path) {
+  static const std::regex pattern("(.+)_[0-9]{4,}[.]png");
   std::smatch match;
   const std::string name = path.filename().string();
   return std::regex_match(name, match, pattern) &&
@@ -56,9 +56,14 @@ std::vector<fs::path> files_of_run(const fs::path& folder) {
         found.push_back(path);
     }
   }
-  if (fs::is_directory(folder / "snapshots")) {
-    for (const auto& entry : fs::directory_iterator(folder / "snapshots")) {
-      if (entry.is_regular_file() && is_snapshot(entry.path())) found.push_back(entry.path());
+  for (const FieldInfo& field : known_fields()) {
+    if (fs::path path = folder / fmt::format("{}.ogv", field.name); holds_something(path))
+      found.push_back(path);
+  }
+  for (const char* pictures : {"snapshots", "pictures", "frames"}) {
+    if (!fs::is_directory(folder / pictures)) continue;
+    for (const auto& entry : fs::directory_iterator(folder / pictures)) {
+      if (entry.is_regular_file() && is_picture(entry.path())) found.push_back(entry.path());
     }
   }
   return found;

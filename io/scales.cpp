@@ -39,7 +39,7 @@ std::array<double, 2> nice_range(double lo, double hi, bool log) {
     return {std::clamp(lo, hi * std::pow(10.0, -log_decades), hi / 10), hi};
   }
   if (!(lo <= hi)) return {0, 1};
-  if (lo > 0 && lo < 0.2 * hi) return {0, hi};
+  if (lo < 0.2 * hi && lo > -0.02 * hi) return {0, hi};
   if (hi - lo > 1e-9 * std::max(std::abs(lo), std::abs(hi))) return {lo, hi};
   const double around = lo == 0 ? 0.5 : std::abs(lo) / 2;
   return {lo - around, lo + around};

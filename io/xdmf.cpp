@@ -19,7 +19,8 @@ Enum named(const std::string& name, const std::array<const char*, n>& names) {
       static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin()) % n);
 }
 
-std::string frame_name(int frame) { return fmt::format("{:06}", frame); }
+/// Of a frame or an outline.
+std::string member_name(int number) { return fmt::format("{:06}", number); }
 
 std::string xml(const std::string& text) {
   std::string out;
@@ -78,6 +79,33 @@ void write_cells(hid_t group, const std::string& name, const std::string& unit, 
   set.close(name);
 }
 
+void write_outlines(hid_t file, const std::vector<Polygon>& outlines) {
+  const h5::Id group = h5::create_compact_group(file, "solids", static_cast<unsigned>(outlines.size()), 6);
+  for (std::size_t k = 0; k < outlines.size(); ++k) {
+    const std::string name = member_name(static_cast<int>(k));
+    const h5::Id shape = h5::space({outlines[k].size(), 2});
+    h5::Id set(H5Dcreate2(group, name.c_str(), H5T_IEEE_F64LE, shape, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+               H5Dclose, name);
+    h5::checked(H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, outlines[k].data()), name);
+    set.close(name);
+  }
+}
+
+std::vector<Polygon> read_outlines(hid_t file) {
+  std::vector<Polygon> outlines;
+  if (H5Lexists(file, "solids", H5P_DEFAULT) <= 0) return outlines;
+  const h5::Id group = h5::group(file, "solids");
+  for (hsize_t k = 0; k < h5::member_count(group); ++k) {
+    const std::string name = member_name(static_cast<int>(k));
+    const h5::Id set(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, name);
+    const h5::Id shape(H5Dget_space(set), H5Sclose, name);
+    Polygon outline(h5::checked(H5Sget_simple_extent_npoints(shape), name) / 2);
+    h5::checked(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, outline.data()), name);
+    outlines.push_back(std::move(outline));
+  }
+  return outlines;
+}
+
 // The plane is written as a slab one cell thick: ParaView's three XDMF readers agree on it, while all of them
 // lay a 2DCoRectMesh into the y-z plane, across its own velocities.
 std::string xdmf_attribute(const std::string& frame, const std::string& name, const Patch& p,
@@ -131,7 +159,11 @@ FieldWriter::FieldWriter(const std::filesystem::path& folder, const RunInfo& inf
     }
     if (!orifices.empty()) h5::write_attribute(file, "orifices", orifices, {info.orifices.size(), 3});
     h5::write_attribute(file, "materials", info.materials);
-    h5::write_attribute(file, "snapshots_are_frames", info.snapshots_are_frames);
+    h5::write_attribute(file, "symmetry", std::string(symmetry_names[static_cast<int>(info.symmetry)]));
+    h5::write_attribute(file, "coordinates",
+                        std::string(coordinates_names[static_cast<int>(info.coordinates)]));
+    h5::write_attribute(file, "slow_speed", info.slow_speed);
+    if (!info.solids.empty()) write_outlines(file, info.solids);
     h5::create_compact_group(file, "frames", 1000, 6);
     file.close("close");
   } catch (const std::runtime_error& error) {
@@ -140,7 +172,7 @@ FieldWriter::FieldWriter(const std::filesystem::path& folder, const RunInfo& inf
 }
 
 void FieldWriter::write(const Frame& frame) {
-  const std::string name = frame_name(frames_);
+  const std::string name = member_name(frames_);
   const std::size_t sets = frame.fields.size() + 1, components = frame.fields.size() + 3;
   // Raw data and, generously, what HDF5 writes about each dataset.
   reserve_room(h5_, info_.patch.cells() * components * sizeof(float) + (sets + 4) * 8192);
@@ -200,13 +232,15 @@ FieldReader::FieldReader(const std::filesystem::path& run) : h5_(run / "fields.h
       }
     }
     info_.materials = h5::read_strings(file, "materials");
-    info_.snapshots_are_frames = !h5::has_attribute(file, "snapshots_are_frames") ||
-                                 h5::read_number(file, "snapshots_are_frames") != 0;
+    if (h5::has_attribute(file, "symmetry")) {  // files of earlier versions have none of these
+      info_.symmetry = named<Symmetry>(h5::read_string(file, "symmetry"), symmetry_names);
+      info_.coordinates = named<Coordinates>(h5::read_string(file, "coordinates"), coordinates_names);
+      info_.slow_speed = h5::read_number(file, "slow_speed");
+    }
+    info_.solids = read_outlines(file);
     const h5::Id frames = h5::group(file, "frames");
-    H5G_info_t about;
-    h5::checked(H5Gget_info(frames, &about), "frames");
-    for (hsize_t k = 0; k < about.nlinks; ++k) {
-      times_.push_back(h5::read_number(h5::group(frames, frame_name(static_cast<int>(k))), "time"));
+    for (hsize_t k = 0; k < h5::member_count(frames); ++k) {
+      times_.push_back(h5::read_number(h5::group(frames, member_name(static_cast<int>(k))), "time"));
     }
   } catch (const std::runtime_error& error) {
     const std::string what = error.what();
@@ -217,7 +251,7 @@ FieldReader::FieldReader(const std::filesystem::path& run) : h5_(run / "fields.h
 
 std::vector<std::string> FieldReader::names(int frame) const {
   const h5::Id file = h5::open(h5_, H5F_ACC_RDONLY);
-  const h5::Id group = h5::group(file, "frames/" + frame_name(frame));
+  const h5::Id group = h5::group(file, "frames/" + member_name(frame));
   std::vector<std::string> names;
   const auto keep = [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
     if (std::string(name) != "velocity") static_cast<std::vector<std::string>*>(out)->push_back(name);
@@ -229,7 +263,7 @@ std::vector<std::string> FieldReader::names(int frame) const {
 
 Frame FieldReader::read(int frame, const std::vector<std::string>& fields) const {
   const h5::Id file = h5::open(h5_, H5F_ACC_RDONLY);
-  const h5::Id group = h5::group(file, "frames/" + frame_name(frame));
+  const h5::Id group = h5::group(file, "frames/" + member_name(frame));
   const Patch& patch = info_.patch;
   std::vector<double> values(patch.cells() * 3);
   const auto read = [&](const std::string& name, std::size_t components) {

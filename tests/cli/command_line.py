@@ -155,6 +155,26 @@ class CommandLine(unittest.TestCase):
         with open(self.path("again/scene.yaml")) as again, open(os.path.join(folder, "scene.yaml")) as first:
             self.assertEqual(again.read(), first.read())
 
+    def test_render(self):
+        self.scene()
+        result = self.hourglass("run", "scene.yaml", "--quiet", "--out", "run", "--set", "time.end=0.2", "--set",
+                                "output={fields_every: 0.1, snapshots_every: 0, fields: [speed]}")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        result = self.hourglass("render", "run", "--field", "speed", "--time", "0.1", "--overlay", "quasi_static",
+                                "--overlay", "streamlines")
+        self.assertEqual((result.returncode, result.stdout), (0, "run/pictures/speed_0001.png\n"), result.stderr)
+        result = self.hourglass("render", "run", "--field", "speed", "--animate", "--half")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        *files, line = result.stdout.splitlines()
+        self.assertEqual(files, [f"run/frames/speed_{k:04}.png" for k in range(3)] + ["run/speed.ogv"])
+        for file in files:
+            self.assertGreater(os.path.getsize(self.path(file)), 1000)
+        self.assertIn("ffmpeg -framerate 10 -i 'run/frames/speed_%04d.png'", line)
+
+        self.refuse("render", "run", "--overlay", "streamline", says=["--overlay: streamline not in"])
+        self.refuse("render", "run", "--animate", "--time", "0", says=["--time excludes --animate"])
+        self.refuse("render", "run", "--field", "pressure", says=["'pressure' is not stored; stored are: grains, speed"])
+
     def test_signals_leave_a_complete_run(self):
         for number, status in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
             with self.subTest(signal=number):

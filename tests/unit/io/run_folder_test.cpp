@@ -4,6 +4,7 @@
 #include <unistd.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdio>
@@ -39,6 +40,20 @@ std::vector<std::string> lines_of(const fs::path& path) {
   std::istringstream text(text_of(path));
   for (std::string line; std::getline(text, line);) lines.push_back(line);
   return lines;
+}
+
+std::vector<std::string> files_in(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+RenderOptions options(const std::string& field, const std::vector<double>& times = {}) {
+  RenderOptions out;
+  out.fields = {field};
+  out.times = times;
+  return out;
 }
 
 /// A small silo of two materials for a dozen steps.
@@ -127,13 +142,27 @@ TEST_CASE("a run leaves scene, series, fields, snapshots, summary and log", "[io
   }
 
   SECTION("which 'render' draws again from the stored fields") {
-    fs::remove_all(folder.path / "snapshots");
-    CHECK(render_run(folder.path, {"speed"}, {0.2}) == 0);
-    CHECK(fs::exists(snapshot_path(folder.path, "speed", 1)));
-    CHECK_FALSE(fs::exists(snapshot_path(folder.path, "speed", 0)));
-    CHECK_THROWS_WITH(render_run(folder.path, {"sped"}, {}), Catch::Contains("unknown field 'sped'"));
-    CHECK_THROWS_WITH(render_run(folder.path, {"viscosity"}, {}), Catch::Contains("not stored"));
-    CHECK_THROWS_WITH(render_run(folder.path, {}, {7}), Catch::Contains("outside the run"));
+    CHECK(render_run(folder.path, options("speed", {0.2})) == 0);
+    CHECK(files_in(folder.path / "pictures") == std::vector<std::string>{"speed_0001.png"});
+    CHECK_THROWS_WITH(render_run(folder.path, options("sped")), Catch::Contains("unknown field 'sped'"));
+    CHECK_THROWS_WITH(render_run(folder.path, options("viscosity")), Catch::Contains("not stored"));
+    CHECK_THROWS_WITH(render_run(folder.path, options("speed", {7})), Catch::Contains("outside the run"));
+  }
+  SECTION("which 'render' makes a video of") {
+    RenderOptions video = options("speed");
+    video.animate = true;
+    video.overlays = {Overlay::streamlines, Overlay::quasi_static};
+    CHECK(render_run(folder.path, video) == 0);
+    CHECK(files_in(folder.path / "frames") ==
+          std::vector<std::string>{"speed_0000.png", "speed_0001.png", "speed_0002.png"});
+    CHECK(text_of(folder.path / "speed.ogv").substr(0, 4) == "OggS");
+    CHECK_FALSE(fs::exists(folder.path / "speed.ogv.new"));
+    const auto size = [&](int frame) {  // from the header of the PNG file
+      return text_of(video_frame_path(folder.path, "speed", frame)).substr(16, 8);
+    };
+    CHECK(size(1) == size(0));
+    CHECK(size(2) == size(0));
+    for (const int last_byte : {3, 7}) CHECK(size(0)[last_byte] % 2 == 0);
   }
   SECTION("and is not overwritten unless forced") {
     const std::string before = text_of(folder.path / "series.csv");
@@ -160,18 +189,20 @@ TEST_CASE("'render' leaves the snapshots of other times alone", "[io]") {
   scene.output.snapshots_every = 0.1;
   scene.output.fields = {"speed"};
   run(scene, {folder.path, false, true});
-  const auto pictures = [&] { return std::distance(fs::directory_iterator(folder.path / "snapshots"), {}); };
-  CHECK(pictures() == 6);
+  CHECK(files_in(folder.path / "snapshots").size() == 6);
   const std::string before =
       text_of(snapshot_path(folder.path, "speed", 1));  // of t = 0.1; frame 1 is of 0.25
-  CHECK(render_run(folder.path, {"speed"}, {0, 0.25}) == 0);
+  CHECK(render_run(folder.path, options("speed", {0, 0.25})) == 0);
   CHECK(text_of(snapshot_path(folder.path, "speed", 1)) == before);
-  CHECK(fs::exists(folder.path / "snapshots" / "speed_t0.png"));
-  CHECK(pictures() == 8);
+  CHECK(files_in(folder.path / "snapshots").size() == 6);
+  CHECK(files_in(folder.path / "pictures") == std::vector<std::string>{"speed_0000.png", "speed_0001.png"});
 
   scene.output.snapshots_every = 0;
+  std::ofstream(folder.path / "speed.ogv") << "a video";
   run(scene, {folder.path, true, true});  // clears them away
-  CHECK(pictures() == 0);
+  CHECK(files_in(folder.path / "snapshots").empty());
+  CHECK(files_in(folder.path / "pictures").empty());
+  CHECK_FALSE(fs::exists(folder.path / "speed.ogv"));
 }
 
 TEST_CASE("files that no run wrote are never replaced", "[io]") {

@@ -34,7 +34,10 @@ RunInfo info_of_patch(const Patch& patch) {
   info.walls = {Wall::periodic, Wall::periodic, Wall::no_slip, Wall::open};
   info.orifices = {{Side::bottom, 1.25, 0.5}, {Side::right, 0.75, 0.25}};
   info.materials = {"sand", "röd"};
-  info.snapshots_are_frames = false;
+  info.symmetry = Symmetry::mirror;
+  info.coordinates = Coordinates::axisymmetric;
+  info.solids = {{{0.5, -1}, {1, -1}, {0.5, 0}}, Polygon(720, {1.0 / 3, 0.1})};
+  info.slow_speed = 1e-3 / 3;
   return info;
 }
 
@@ -104,7 +107,10 @@ TEST_CASE("fields come back as they were written, with the geometry", "[io]") {
   CHECK(read.walls == wrote.walls);
   CHECK(read.orifices == wrote.orifices);
   CHECK(read.materials == wrote.materials);
-  CHECK(read.snapshots_are_frames == wrote.snapshots_are_frames);
+  CHECK(read.symmetry == wrote.symmetry);
+  CHECK(read.coordinates == wrote.coordinates);
+  CHECK(read.solids == wrote.solids);
+  CHECK(read.slow_speed == wrote.slow_speed);
   CHECK(reader.names(1) == std::vector<std::string>{"grains", "speed"});
   CHECK(frames_intact(folder.path, patch) == 3);
   CHECK_THROWS_AS(reader.read(0, {"pressure"}), std::invalid_argument);
