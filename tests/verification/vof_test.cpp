@@ -233,7 +233,7 @@ TEST_CASE("A square and a circle come back through a periodic side", "[fast][vof
     for (int i = 0; i < 64; ++i) f.grains(i, j) += f.tracers[0](i, j);
   const Fields start = f;
   f.u.fill(1);
-  Vof vof(f.patch(), 2, {.periodic_x = true});
+  Vof vof(f.patch(), 2, {.periodic = true});
   for (int step = 0; step < 160; ++step) vof.advect(f, 1.0 / 160, step % 2 == 0, 1);
   CHECK(std::abs(sum(f.grains) / sum(start.grains) - 1) < 1e-13);
   CHECK(std::abs(sum(f.tracers[0]) / sum(start.tracers[0]) - 1) < 1e-13);
