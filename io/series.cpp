@@ -22,7 +22,8 @@ std::string series_header(const Scene& scene) {
   }
   return out +
          ",quasi_static_fraction,max_speed,iterations_pressure,iterations_viscous,iterations_fluidity,"
-         "max_divergence,capped_cells,wall_seconds,dt_limit,ill_posed_fraction";
+         "max_divergence,capped_cells,wall_seconds,dt_limit,ill_posed_fraction" +
+         (scene.feed ? ",fed" : "");
 }
 
 std::string series_text(const SeriesRow& row) {
@@ -32,10 +33,11 @@ std::string series_text(const SeriesRow& row) {
   for (std::size_t m = 0; m < row.material_mass.size(); ++m) {
     out += fmt::format(",{},{}", row.material_mass[m], row.material_outflow[m]);
   }
-  return out + fmt::format(",{},{},{},{},{},{},{},{},{},{}", row.quasi_static_fraction, row.max_speed,
-                           s.pressure.iterations, s.viscous.iterations, s.fluidity.iterations,
-                           s.max_divergence, s.capped_cells, row.wall_seconds, name_of(s.limit),
-                           row.ill_posed_fraction);
+  return out +
+         fmt::format(",{},{},{},{},{},{},{},{},{},{}", row.quasi_static_fraction, row.max_speed,
+                     s.pressure.iterations, s.viscous.iterations, s.fluidity.iterations, s.max_divergence,
+                     s.capped_cells, row.wall_seconds, name_of(s.limit), row.ill_posed_fraction) +
+         (row.fed ? fmt::format(",{}", *row.fed) : "");
 }
 
 }  // namespace hourglass

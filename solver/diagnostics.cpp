@@ -181,7 +181,7 @@ DischargeWindow discharge(const Scene& scene, const std::vector<std::array<doubl
   window.from = from;
   for (const auto& [t, m] : samples) {
     // An almost empty silo no longer discharges at its own rate.
-    if (t < from || m < 0.3 * first_mass) continue;
+    if (t < from || (m < 0.3 * first_mass && !scene.feed)) continue;
     const double x = t - from, y = m - first_mass;
     n += 1;
     st += x;

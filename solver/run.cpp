@@ -69,7 +69,7 @@ class Run {
         series_(scene_.output.series_every), frames_(scene_.output.fields_every),
         pictures_(scene_.output.snapshots_every), initial_mass_(simulation.grain_mass()),
         mass_(initial_mass_), settle_(start_up_time(scene_)) {
-    mass_over_time_.push_back({s_.t, mass_});
+    mass_over_time_.push_back({s_.t, unfed_mass()});
   }
 
   Summary to_end() {
@@ -84,6 +84,8 @@ class Run {
   }
 
  private:
+  /// What would be left without the feed: its slope is the discharge.
+  double unfed_mass() const { return mass_ - s_.fed_mass; }
   void steps() {
     StepReport report;
     report.t = s_.t;
@@ -104,7 +106,7 @@ class Run {
       watch_solves(report);
       if (ended_ && summary_.status == Status::diverged) break;
       mass_ = simulation_.grain_mass();
-      mass_over_time_.push_back({s_.t, mass_});
+      mass_over_time_.push_back({s_.t, unfed_mass()});
       watch_orifices();
       tell(report);
       watch_stops();
@@ -183,7 +185,7 @@ class Run {
                                  [](const auto& at, double time) { return at[0] < time; });
       };
       const auto a = sample(s_.t - 2 * settle_), b = sample(s_.t - settle_);
-      const double before = (a[1] - b[1]) / (b[0] - a[0]), now = (b[1] - mass_) / (s_.t - b[0]);
+      const double before = (a[1] - b[1]) / (b[0] - a[0]), now = (b[1] - unfed_mass()) / (s_.t - b[0]);
       if (now > 0 && std::abs(now - before) < *stop.steady_discharge * now)
         end(Status::stopped, fmt::format("discharge steady to {}", *stop.steady_discharge));
     }
@@ -223,6 +225,7 @@ class Run {
     };
     rate(row.orifice_outflow, last_.orifice_outflow);
     rate(row.material_outflow, last_.material_outflow);
+    if (row.fed) row.fed = interval > 0 ? (*row.fed - last_.fed.value_or(0)) / interval : 0;
     for (double q : row.orifice_outflow) row.outflow += q;
     row.wall_seconds = seconds_since(clock_);
     static_over_time_.push_back({s_.t, row.quasi_static_fraction});
@@ -258,7 +261,8 @@ class Run {
       left = 0;
       for (double m : masses_by_material(scene_, s_.fields, s_.geometry.get(), s_.threads, true)) left += m;
     }
-    if (initial_mass_ > 0) r.mass_error = std::abs((initial_mass_ - left) - gone) / initial_mass_;
+    if (initial_mass_ > 0)
+      r.mass_error = std::abs((initial_mass_ + s_.fed_mass - left) - gone) / initial_mass_;
     r.steps = s_.steps;
     r.cells = s_.fields.patch().cells();
     r.threads = threads_of(scene_);

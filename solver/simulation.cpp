@@ -52,6 +52,31 @@ void Simulation::Impl::fill() {
   fill_cell_halo(boundary, fields.grains);
 }
 
+/// Tops the grains up to the level, each column from there down to the first full cell, with grains at the velocity that is
+/// there. Air below grains stays.
+void Simulation::Impl::feed() {
+  if (!scene.feed) return;
+  const Patch& patch = fields.patch();
+  const auto [material, level] = *scene.feed;
+  double volume = 0;
+  const auto top = std::min(static_cast<int>(std::ceil((level - patch.y0) / patch.h)), patch.ny) - 1;
+  for (int i = 0; i < patch.nx; ++i)
+    for (int j = top; j >= 0; --j) {
+      const double open = geometry ? geometry->volume(i, j) : 1;
+      const double before = fields.grains(i, j);
+      const double missing = std::min((level - patch.y_corner(j)) / patch.h, 1.0) - before;
+      if (missing > 0 && open > 0) {
+        fields.grains(i, j) += missing;
+        if (material > 0) fields.tracers[material - 1](i, j) += missing;
+        if (!fields.solid.empty()) fields.solid[0](i, j) += missing;
+        if (!fields.solid.empty() && material > 0) fields.solid[material](i, j) += missing;
+        volume += missing * open;
+      }
+      if (open == 0 || before > 0.999) break;
+    }
+  fed_mass += volume * patch.h * patch.h * scene.copies() * scene.materials[material].density;
+}
+
 /// Adds what left in the last step to the accounts.
 void Simulation::Impl::account() {
   const Patch patch = scene.patch();
@@ -95,6 +120,7 @@ SeriesRow Simulation::Impl::row(const StepReport& report) const {
   r.ill_posed_fraction = ill_posed_fraction(scene, fields, geometry.get(), stepper->rheology(), threads);
   r.max_speed = fastest_grains(fields, geometry.get(), threads);
   r.orifice_outflow = orifice_mass;
+  if (scene.feed) r.fed = fed_mass;
   r.material_outflow = orifice_material;
   return r;
 }
@@ -149,6 +175,7 @@ StepReport Simulation::step(double t_limit) {
   s.timers.time("time step", [&] { fastest = fastest_cells(s.fields, s.threads, s.rows); });
   if (!std::isfinite(fastest.near_grains + fastest.air)) throw std::runtime_error(not_finite(s.fields));
   const TimeStep dt = choose_time_step(s.scene, fastest, s.fields.patch().h, s.dt, t_limit - s.t);
+  s.feed();
   s.stepper->step(s.fields, dt.dt, s.steps % 2 == 0, s.timers, report);
   s.account();
   // A viscous iteration costs about two of the pressure's, and all the rest about two viscous ones.

@@ -1,6 +1,7 @@
 #pragma once
 // One scene from start to end: chooses dt, steps, diagnoses, tells observers, stops.
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,7 @@ struct SeriesRow {
   std::vector<double> orifice_outflow;   ///< the same by orifice
   std::vector<double> material_mass;     ///< by material [M]
   std::vector<double> material_outflow;  ///< through all orifices, by material [M/T]
+  std::optional<double> fed;             ///< what the feed brings [M/T], mean since the last row; with a feed
   double quasi_static_fraction = 0;      ///< grain volume slower than 1e-3 sqrt(g d), over all grain volume
   double ill_posed_fraction =
       0;                 ///< grain cells where mu(I) is ill-posed (field well_posed), over all grain cells
@@ -48,11 +50,12 @@ const char* name_of(Status status);
 struct Summary {
   Status status = Status::finished;
   std::string reason;
-  double discharge_rate = 0;            ///< least-squares slope of mass over time, start-up left out [M/T]
-  double discharge_constant = 0;        ///< discharge_rate / (rho sqrt(g) W^1.5), W the sum of widths
+  double discharge_rate = 0;  ///< least-squares slope of mass less feed over time, start-up left out [M/T]
+  double discharge_constant =
+      0;  ///< discharge_rate / (rho sqrt(g) W^1.5), W the sum of widths; W^2.5 around an axis
   double discharge_window[2] = {0, 0};  ///< the times that the slope was taken over [T]
   double quasi_static_fraction = 0;     ///< at the end of that window
-  double mass_error = 0;                ///< |grain loss - integrated outflow| / initial mass
+  double mass_error = 0;                ///< |grain loss + feed - integrated outflow| / initial mass
   double worst_max_divergence = 0;
   long missed_tolerances = 0;
   long steps = 0, cells = 0;

@@ -39,9 +39,11 @@ struct Simulation::Impl {
   std::vector<double> orifice_mass;      // by orifice, all materials
   std::vector<double> orifice_material;  // by material, all orifices
   double other_mass = 0;                 // through open sides
+  double fed_mass = 0;                   // by Scene::feed
   double lost_volume = 0;                // through all of them, times the density: what mode weight conserves
 
   void fill();
+  void feed();
   void account();
   SeriesRow row(const StepReport& report) const;
 };
