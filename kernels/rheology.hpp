@@ -173,10 +173,11 @@ void corner_viscosity_row(const CellField& eta, const Geometry& geometry, const 
   T* __restrict out = eta_n.row(j);
   const auto mean = [&](int l, int r) {
     const double a = open_below[l], b = open_below[r], c = open_above[l], d = open_above[r];
-    const double sum = (a + b) + (c + d);
-    const double part = harmonic ? (a / below[l] + b / below[r]) + (c / above[l] + d / above[r])
+    const double sum = (a + b) + (c + d), least = 1e-290;
+    const auto inverse = [least](double x) { return 1 / std::max(x, least); };
+    const double part = harmonic ? (a * inverse(below[l]) + b * inverse(below[r])) +
+                                       (c * inverse(above[l]) + d * inverse(above[r]))
                                  : (a * below[l] + b * below[r]) + (c * above[l] + d * above[r]);
-    const double least = std::numeric_limits<double>::min();
     return harmonic ? sum / std::max(part, least) : part / std::max(sum, least);
   };
   const auto weighted = [&](int i, int l, int r, double shear) {

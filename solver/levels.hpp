@@ -90,7 +90,7 @@ class PoissonLevel {
   void mask(CellFieldOf<X>&, int) const {}  // every cell is an unknown
   bool fixed(int, int) const { return false; }
   /// A closed box: constants are solutions without a source.
-  bool singular() const { return !boundary_.any_open(); }
+  bool singular() const { return !boundary_.any_open() && !a.absorption.allocated(); }
   std::size_t bytes() const { return a.bytes() + x.bytes() + b.bytes() + r.bytes(); }
 
  private:

@@ -8,16 +8,17 @@ namespace hourglass {
 
 template <class T>
 Projection<T>::Projection(const Patch& patch, const Boundary& boundary, bool compliant,
-                          const Geometry* geometry)
-    : geometry_(geometry), multigrid_(patch, boundary, 2), krylov_(patch), q_(patch), rhs_(patch),
-      largest_(patch.ny), speed_(patch.ny) {
-  if (compliant)
+                          const Geometry* geometry, const FreeSurface* surface)
+    : geometry_(geometry), surface_(surface), multigrid_(patch, boundary, 2), krylov_(patch), q_(patch),
+      rhs_(patch), largest_(patch.ny), speed_(patch.ny) {
+  if (compliant || surface)
     multigrid_.each_level(
         [](PoissonLevel<T>& level) { level.a.absorption = CellFieldOf<T>(level.x.patch()); });
 }
 
 template <class T>
-void Projection<T>::assemble(Team& team, const CellField& density, const CellField* compliance, double dt) {
+void Projection<T>::assemble(Team& team, const CellField& with_air, const CellField* compliance, double dt) {
+  const CellField& density = surface_ ? surface_->density() : with_air;
   PoissonLevel<T>& level = multigrid_.finest();
   const Boundary& boundary = level.boundary();
   const int nx = density.nx(), ny = density.ny();
@@ -66,8 +67,35 @@ void Projection<T>::assemble(Team& team, const CellField& density, const CellFie
     }
   }
   team.sync();
+  if (surface_) {
+    end_at_surface(rows);
+    team.sync();
+  }
   level.finish(team);
   multigrid_.coarsen(team);
+}
+
+template <class T>
+void Projection<T>::end_at_surface(Rows rows) {
+  auto& a = multigrid_.finest().a;
+  const CellField& liquid = surface_->liquid();
+  const bool periodic = multigrid_.finest().boundary().periodic_x;
+  const int nx = q_.nx(), ny = q_.ny();
+  for (int j = rows.begin; j < rows.end; ++j) {
+    if (j < ny) {
+      const auto at = [&](int i) {
+        return static_cast<T>(liquid(periodic ? (i + nx) % nx : std::clamp(i, 0, nx - 1), j));
+      };
+      for (int i = 0; i <= nx; ++i) a.beta.u(i, j) *= at(i - 1) * at(i);
+      for (int i = 0; i < nx; ++i) {
+        a.absorption(i, j) = static_cast<T>(liquid(i, j) * a.absorption(i, j) + surface_->absorption()(i, j));
+        if (liquid(i, j) == 0) q_(i, j) = 0;
+      }
+      if (periodic) wrap_row(q_.row(j), nx);
+    }
+    for (int i = 0; i < nx; ++i)
+      a.beta.v(i, j) *= static_cast<T>(liquid(i, std::max(j - 1, 0)) * liquid(i, std::min(j, ny - 1)));
+  }
 }
 
 template <class T>
@@ -89,6 +117,15 @@ void Projection<T>::add_gravity_and_pressure_row(const CellField& p, std::array<
   const double* pm = is_u ? pc - 1 : p.row(k / 2 - 1);
   const double push = dt * g[is_u ? 0 : 1];
   double* __restrict out = row.data;
+  if (surface_) {
+    const double *per_open = geometry_ ? row_of(geometry_->inverse_aperture, k).data : nullptr,
+                 *at_surface = row_of(surface_->beta(), k).data;
+    for (int i = 0; i < row.n; ++i) {
+      const double beta = (static_cast<double>(b[i]) + at_surface[i]) * (per_open ? per_open[i] : 1.0);
+      out[i] = beta > 0 ? out[i] + (push - dt_h * beta * (pc[i] - pm[i])) : 0;
+    }
+    return;
+  }
   if (geometry_) {
     const double* __restrict per_open = row_of(geometry_->inverse_aperture, k).data;
 #pragma omp simd
@@ -127,6 +164,11 @@ double Projection<T>::measure_divergence(Team& team, const Velocity& w, const Ce
 #pragma omp simd
       for (int i = 0; i < n; ++i) out[i] += h * S[i];
     }
+    if (surface_) {
+      const double* liquid = surface_->liquid().row(j);
+#pragma omp simd
+      for (int i = 0; i < n; ++i) out[i] *= liquid[i];
+    }
     largest_[j] = max_magnitude(out, n);
     speed_[j] = std::max(max_magnitude(u, n + 1), max_magnitude(vs, n));
   }
@@ -158,7 +200,7 @@ SolveStats Projection<T>::solve(Team& team, double dt, double tolerance, int max
 
   // A closed box knows p up to a constant: mean 0 of what is added.
   double mean = 0;
-  if (!boundary.any_open()) {
+  if (!boundary.any_open() && !surface_) {
     for (int j = rows.begin; j < rows.end; ++j) {
       double s = 0;
       for (int i = 0; i < q_.nx(); ++i) s += q_(i, j);
@@ -176,7 +218,13 @@ SolveStats Projection<T>::solve(Team& team, double dt, double tolerance, int max
     const double* qc = q_.row(k / 2);
     const double* qm = is_u ? qc - 1 : q_.row(k / 2 - 1);
     double* __restrict out = row.data;
-    if (geometry_) {
+    if (surface_) {
+      const double *per_open = geometry_ ? row_of(geometry_->inverse_aperture, k).data : nullptr,
+                   *at_surface = row_of(surface_->beta(), k).data;
+      for (int i = 0; i < row.n; ++i)
+        out[i] -=
+            (static_cast<double>(b[i]) + at_surface[i]) * (per_open ? per_open[i] : 1.0) * (qc[i] - qm[i]);
+    } else if (geometry_) {
       const double* __restrict per_open = row_of(geometry_->inverse_aperture, k).data;
 #pragma omp simd
       for (int i = 0; i < row.n; ++i) out[i] -= per_open[i] * static_cast<double>(b[i]) * (qc[i] - qm[i]);
@@ -206,6 +254,8 @@ SolveStats Projection<T>::solve(Team& team, double dt, double tolerance, int max
         out[i] += std::min(std::max(change, -bound), bound);
       }
     }
+    for (int i = 0; surface_ && i < q_.nx(); ++i)
+      if (!surface_->is_liquid(i, j)) out[i] = 0;
     if (boundary.periodic_x) wrap_row(q, q_.nx());
     if (boundary.periodic_x) wrap_row(out, q_.nx());
   }

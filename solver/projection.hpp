@@ -3,6 +3,7 @@
 // neighbours (Chorin 1968; incremental: Goda 1979). β = 1/ρ on faces at n+1, 2/ρ on open boundary faces, 0 on
 // walls.
 #include "kernels/geometry.hpp"
+#include "solver/free_surface.hpp"
 #include "solver/krylov.hpp"
 #include "solver/levels.hpp"
 
@@ -21,9 +22,10 @@ template <class T>
 class Projection {
  public:
   /// `compliant`: assemble() will be given a compliance. geometry: nullptr, or what outlives this; then β has the open
-  /// share of the face, and ∇·u is integrated over what is open of a cell.
+  /// share of the face, and ∇·u is integrated over what is open of a cell. surface: nullptr, or p = 0 there and nothing to
+  /// solve beyond; up to date before assemble().
   Projection(const Patch& patch, const Boundary& boundary, bool compliant = false,
-             const Geometry* geometry = nullptr);
+             const Geometry* geometry = nullptr, const FreeSurface* surface = nullptr);
 
   /// β of all levels. in: density in cells, halo 2 [M/L^2]; compliance -dS/dp >= 0 of the divergence asked for [T/M],
   /// nullptr: 0. Synced on return.
@@ -53,7 +55,11 @@ class Projection {
   /// rhs_ = -Σ velocities out of a cell + h divergence; returns max |.|
   double measure_divergence(Team& team, const Velocity& w, const CellField* divergence);
 
+  /// p = 0 beyond the surface: its β goes to the diagonal, and cells that are not liquid have none.
+  void end_at_surface(Rows rows);
+
   const Geometry* geometry_;
+  const FreeSurface* surface_;
   Multigrid<PoissonLevel<T>> multigrid_;
   Krylov<PoissonLevel<T>> krylov_;
   CellField q_;  ///< δp Δt / h of the last solve, the guess of the next: a restart must keep it

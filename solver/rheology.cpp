@@ -5,7 +5,8 @@ namespace hourglass {
 RheologyStage::RheologyStage(const Scene& scene, const Patch& patch, const Boundary& boundary,
                              const Geometry* geometry)
     : law_(scene.rheology.law),
-      properties_(scene), limits_{scene.rheology.eta_min, scene.rheology.eta_max, scene.air.viscosity,
+      properties_(scene), limits_{scene.rheology.eta_min, scene.rheology.eta_max,
+                                  scene.air.model == AirModel::none ? 0.0 : scene.air.viscosity,
                                   scene.rheology.background_pressure},
       geometry_(geometry), smooth_cap_(scene.rheology.cap == Cap::smooth),
       deviatoric_(scene.dilatancy.has_value()),

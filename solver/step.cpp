@@ -13,6 +13,7 @@
 #include "kernels/momentum.hpp"
 #include "solver/dilatancy.hpp"
 #include "solver/fluidity.hpp"
+#include "solver/free_surface.hpp"
 #include "solver/projection.hpp"
 #include "solver/viscous_solve.hpp"
 
@@ -27,9 +28,13 @@ class StepperOf final : public Stepper {
         vof_(patch_, static_cast<int>(scene.materials.size()), boundary.ends(), geometry),
         rheology_(scene, patch_, boundary, geometry),
         fluidity_(make_fluidity<T>(scene, patch_, boundary, geometry)), mass_(patch_), eta_(patch_),
-        star_(patch_), viscous_(patch_, boundary, geometry),
+        star_(patch_),
+        surface_(scene.air.model == AirModel::none
+                     ? std::make_unique<FreeSurface>(patch_, boundary, geometry, scene.air.density)
+                     : nullptr),
+        viscous_(patch_, boundary, geometry, surface_.get()),
         projection_(patch_, boundary, scene.dilatancy && scene.dilatancy->mode != DilatancyMode::weight,
-                    geometry) {
+                    geometry, surface_.get()) {
     for (const Material& m : scene.materials) excess_.push_back(m.density - scene.materials[0].density);
     if (scene.dilatancy) {
       dilatancy_ = std::make_unique<DilatancyStage>(scene, patch_, boundary.ends(), geometry);
@@ -110,6 +115,7 @@ class StepperOf final : public Stepper {
                                                            {"momentum", star_.bytes()},
                                                            {"viscous solve", viscous_.bytes()},
                                                            {"projection", projection_.bytes()}};
+    if (surface_) table.emplace_back("free surface", surface_->bytes());
     if (fluidity_) table.emplace_back("fluidity", fluidity_->bytes());
     if (with_modules && dilatancy_) table.emplace_back("dilatancy", dilatancy_->bytes() + trace_.bytes());
     if (advected_.bytes() > 0) table.emplace_back("splitting", advected_.bytes());
@@ -118,6 +124,7 @@ class StepperOf final : public Stepper {
 
  private:
   void fill_halo(Fields& fields) {
+    if (surface_) surface_->extrapolate(fields);
     if (geometry_) fill_solid(*geometry_, fields);
     fill_velocity_halo(boundary_, fields.u, fields.v);
   }
@@ -171,6 +178,7 @@ class StepperOf final : public Stepper {
       team.sync();
       if (team.leads()) fill_cell_halo(boundary_, mass_.density);
       team.sync();
+      if (surface_) surface_->update(team, fields.grains, mass_.density);
       const Rows cells = team.rows(ny);
       for (int j = cells.begin; j < cells.end; ++j) {
         uniform_density_row(mass_.density, j, mass_.uniform.row(j));
@@ -380,6 +388,7 @@ class StepperOf final : public Stepper {
   Velocity star_;
   Velocity advected_;  // u* without its forces, where a step repeats what follows; else not allocated
   CellField trace_;    // eta S [M/T^2], with dilatancy
+  std::unique_ptr<FreeSurface> surface_;  // air: {model: none}
   ViscousSolve<T> viscous_;
   Projection<T> projection_;
 };

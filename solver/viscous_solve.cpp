@@ -37,6 +37,11 @@ void ViscousSolve<T>::assemble(Team& team, const CellField& eta, bool harmonic, 
 #pragma omp simd
     for (int i = 0; i < nx; ++i) m[i] = static_cast<T>(share * scale * (below[i] + above[i]));
   }
+  for (int k = 2 * rows.begin; surface_ && k < std::min(2 * rows.end, row_count(a.mass)); ++k) {
+    const auto m = row_of(a.mass, k);
+    for (int i = 0; i < m.n; ++i)
+      if (!surface_->moves(k, i)) m.data[i] = 0;
+  }
   if (with_modules && drag.force) add_drag(rows, drag, u, star);
   team.sync();
   for (int j = rows.begin; !geometry_ && j < rows.end; ++j)
@@ -58,7 +63,9 @@ void ViscousSolve<T>::set_coefficients_in_geometry(Rows rows, const CellField& e
   // Of two cells with open volumes v; harmonic, as at the corner of a wall.
   const auto at_wall = [harmonic](double v1, double eta1, double v2, double eta2) {
     const double sum = std::max(v1 + v2, 1e-300);
-    return harmonic ? sum / std::max(v1 / eta1 + v2 / eta2, 1e-300) : (v1 * eta1 + v2 * eta2) / sum;
+    const auto inverse = [](double x) { return 1 / std::max(x, 1e-290); };
+    return harmonic ? sum / std::max(v1 * inverse(eta1) + v2 * inverse(eta2), 1e-290)
+                    : (v1 * eta1 + v2 * eta2) / sum;
   };
   const auto face = [&](T* m, int n, const double* aperture, const double* wall, double* velocity,
                         auto&& side1, auto&& side2) {

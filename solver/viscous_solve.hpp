@@ -2,6 +2,7 @@
 // Implicit viscosity, coupled in u and v:  (ρ/Δt) u - ∇·(2 η D(u)) = (ρ/Δt) u*,  u at n+1 before the
 // projection.
 #include "kernels/geometry.hpp"
+#include "solver/free_surface.hpp"
 #include "solver/krylov.hpp"
 #include "solver/levels.hpp"
 
@@ -18,10 +19,11 @@ struct WallDrag {
 template <class T>
 class ViscousSolve {
  public:
-  /// geometry: nullptr, or what it outlives this.
-  ViscousSolve(const Patch& patch, const Boundary& boundary, const Geometry* geometry = nullptr)
+  /// geometry: nullptr, or what outlives this. surface: nullptr, or nothing moves beyond it; up to date before assemble().
+  ViscousSolve(const Patch& patch, const Boundary& boundary, const Geometry* geometry = nullptr,
+               const FreeSurface* surface = nullptr)
       : multigrid_(patch, geometry ? boundary.with_partly_open() : boundary, 1), krylov_(patch),
-        geometry_(geometry), energy_(2 * patch.ny + 1), drag_(2 * patch.ny + 1) {}
+        geometry_(geometry), surface_(surface), energy_(2 * patch.ny + 1), drag_(2 * patch.ny + 1) {}
 
   /// Coefficients of all levels. in: eta in cells [M/T], density halo 2 [M/L^2]. Synced on return.
   void assemble(Team& team, const CellField& eta, bool harmonic_corners, const CellField& density,
@@ -52,6 +54,7 @@ class ViscousSolve {
   Multigrid<ViscousLevel<T>> multigrid_;
   Krylov<ViscousLevel<T>> krylov_;
   const Geometry* geometry_;
+  const FreeSurface* surface_;
   RowSums energy_;  // by row of the unknown
   RowSums drag_;    // what it added to the mass, by row of the unknown: no scale of the flow's energy
 };
