@@ -264,7 +264,7 @@ class Run {
     if (initial_mass_ > 0)
       r.mass_error = std::abs((initial_mass_ + s_.fed_mass - left) - gone) / initial_mass_;
     r.steps = s_.steps;
-    r.cells = s_.fields.patch().cells();
+    r.cells = scene_.patch().cells();
     r.threads = threads_of(scene_);
     r.wall_seconds = stepping_;
     if (stepping_ > 0)

@@ -52,6 +52,48 @@ void Simulation::Impl::fill() {
   fill_cell_halo(boundary, fields.grains);
 }
 
+/// Without air nothing happens above the grains: their rows are left out of everything, by whole numbers of the cells that
+/// the coarser grids need, and come back if grains fly up.
+void Simulation::Impl::fit_height() {
+  const Patch whole = scene.patch(), now = fields.patch();
+  if (scene.air.model != AirModel::none || scene.feed || scene.wall(Side::top) != Wall::open) return;
+  if (scene.dilatancy && scene.dilatancy->mode == DilatancyMode::weight) return;  // remembers the step before
+  constexpr int margin = 8, coarsest = 16;
+  int unit = 1;
+  while (unit < coarsest && whole.ny % (2 * unit) == 0) unit *= 2;
+  const auto empty = [&](int j) {
+    const double* c = fields.grains.row(j);
+    return std::all_of(c, c + now.nx, [](double x) { return x == 0; });
+  };
+  int top = now.ny;
+  while (top > 0 && empty(top - 1)) --top;
+  const int needed = std::min(whole.ny, (top + margin + unit - 1) / unit * unit);
+  const bool too_low = now.ny < whole.ny && top + margin / 2 > now.ny;
+  const bool too_high = needed <= now.ny - std::max(unit, now.ny / 8);
+  if (!too_low && !too_high) return;
+
+  solved.height = needed * now.h;
+  boundary = boundary_of(solved);
+  geometry = geometry_of(solved, boundary);
+  const Fields before = std::move(fields);
+  fields = Fields(solved.patch(), static_cast<int>(scene.materials.size()), scene.nonlocal.has_value(),
+                  scene.dilatancy.has_value());
+  const auto take = [](const auto& from, auto& to) {
+    for (int j = 0; j < std::min(from.ny(), to.ny()); ++j)
+      std::copy(from.row(j), from.row(j) + from.nx(), to.row(j));
+  };
+  take(before.u, fields.u);
+  take(before.v, fields.v);
+  take(before.p, fields.p);
+  take(before.grains, fields.grains);
+  for (std::size_t k = 0; k < fields.tracers.size(); ++k) take(before.tracers[k], fields.tracers[k]);
+  for (std::size_t k = 0; k < fields.solid.size(); ++k) take(before.solid[k], fields.solid[k]);
+  if (fields.fluidity.allocated()) take(before.fluidity, fields.fluidity);
+  fill_cell_halo(boundary, fields.grains);
+  stepper = make_stepper(solved, boundary, geometry.get(), threads);
+  rows = {RowSums(fields.p.ny()), RowSums(fields.p.ny())};
+}
+
 /// Tops the grains up to the level, each column from there down to the first full cell, with grains at the velocity that is
 /// there. Air below grains stays.
 void Simulation::Impl::feed() {
@@ -79,19 +121,19 @@ void Simulation::Impl::feed() {
 
 /// Adds what left in the last step to the accounts.
 void Simulation::Impl::account() {
-  const Patch patch = scene.patch();
+  const Patch patch = solved.patch();
   const auto each_way_out = [&](const PhaseFlux& flux, int k, auto&& leave) {
     for (std::size_t o = 0; o < scene.orifices.size(); ++o) {
       const Orifice& orifice = scene.orifices[o];
       leave(static_cast<int>(o),
-            mass_through(scene, flux, orifice.wall, shares_of(orifice, boundary, patch), k));
+            mass_through(solved, flux, orifice.wall, shares_of(orifice, boundary, patch), k));
     }
     for (int s = 0; s < 4; ++s) {
       const Side side = static_cast<Side>(s);
       std::vector<OpenFace> all;
       for (int f = 0; f < (side == Side::left || side == Side::right ? patch.ny : patch.nx); ++f)
         all.push_back({f, 1});
-      if (scene.walls[s] == Wall::open) leave(-1, mass_through(scene, flux, side, all, k));
+      if (scene.walls[s] == Wall::open) leave(-1, mass_through(solved, flux, side, all, k));
     }
   };
   for (int k = 0; k < static_cast<int>(scene.materials.size()); ++k) {
@@ -165,6 +207,7 @@ std::vector<std::pair<std::string, std::size_t>> Simulation::memory() const {
 
 StepReport Simulation::step(double t_limit) {
   Impl& s = *impl_;
+  s.fit_height();
   StepReport report;
   if (s.geometry) fill_solid(*s.geometry, s.fields);
   fill_velocity_halo(s.boundary, s.fields.u, s.fields.v);  // cheap, and callers may have set the velocity
@@ -270,7 +313,10 @@ CellField Simulation::derived(const std::string& name) const {
   } else {
     throw std::invalid_argument("no field is called " + name);
   }
-  return out;
+  if (patch == impl_->scene.patch()) return out;
+  CellField whole(impl_->scene.patch(), name == "well_posed" ? 1 : 0);  // above the rows that are solved
+  for (int j = 0; j < patch.ny; ++j) std::copy(out.row(j), out.row(j) + patch.nx, whole.row(j));
+  return whole;
 }
 
 bool has_module(const Scene& scene, const std::string& module) {

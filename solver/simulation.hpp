@@ -93,6 +93,7 @@ class Simulation {
   Summary run(const std::vector<Observer*>& observers = {});
 
   const Scene& scene() const;
+  /// With air model none they end some rows above the grains.
   const Fields& fields() const;
   Fields& fields();  ///< for initial conditions and verification flows
   double t() const;

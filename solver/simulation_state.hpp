@@ -18,14 +18,15 @@ int threads_of(const Scene& scene);
 
 struct Simulation::Impl {
   explicit Impl(const Scene& s)
-      : scene(s), boundary(boundary_of(scene)), geometry(geometry_of(scene, boundary)),
+      : scene(s), solved(s), boundary(boundary_of(solved)), geometry(geometry_of(solved, boundary)),
         threads(threads_of(scene)), fields(scene.patch(), static_cast<int>(scene.materials.size()),
                                            scene.nonlocal.has_value(), scene.dilatancy.has_value()),
-        stepper(make_stepper(scene, boundary, geometry.get(), threads)),
+        stepper(make_stepper(solved, boundary, geometry.get(), threads)),
         governor(threads), rows{RowSums(fields.p.ny()), RowSums(fields.p.ny())},
         orifice_mass(scene.orifices.size()), orifice_material(scene.materials.size()) {}
 
   Scene scene;
+  Scene solved;  // the same, but for its height where rows above the grains are left out
   Boundary boundary;
   std::unique_ptr<Geometry> geometry;  // nullptr: whole cells
   int threads;
@@ -44,6 +45,7 @@ struct Simulation::Impl {
 
   void fill();
   void feed();
+  void fit_height();
   void account();
   SeriesRow row(const StepReport& report) const;
 };
