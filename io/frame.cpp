@@ -20,7 +20,7 @@ RunInfo info_of(const Scene& scene) {
   for (const Material& m : scene.materials) info.materials.push_back(m.name);
   info.symmetry = scene.symmetry;
   info.coordinates = scene.coordinates;
-  for (const Insert& insert : scene.inserts) info.solids.push_back(outline_of(insert));
+  info.solids = outlines_of(scene);
   if (!scene.materials.empty()) info.slow_speed = 1e-3 * std::sqrt(scene.g() * scene.materials[0].diameter);
   return info;
 }
