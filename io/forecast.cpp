@@ -61,7 +61,7 @@ class Flow {
       later_.loss = std::max(0.0, samples_[begin].mass - last.mass) / (last.t - samples_[begin].t);
     // Too early for a discharge of its own: the usual one.
     if (!scene.orifices.empty() && last.t < 1.5 * start_up_time(scene)) {
-      const double g = std::hypot(scene.gravity[0], scene.gravity[1]);
+      const double g = scene.g();
       double usual = 0;
       for (const Orifice& o : scene.orifices)
         usual += discharge_constant * scene.materials[0].density * std::sqrt(g) * std::pow(o.width, 1.5);

@@ -167,8 +167,7 @@ double mass_through(const Scene& scene, const PhaseFlux& flux, Side side, const 
 double start_up_time(const Scene& scene) {
   double widest = 0;
   for (const Orifice& o : scene.orifices) widest = std::max(widest, o.width);
-  const double g = std::hypot(scene.gravity[0], scene.gravity[1]);
-  return g > 0 ? 2.5 * std::sqrt(widest / g) : 0;
+  return scene.g() > 0 ? 2.5 * std::sqrt(widest / scene.g()) : 0;
 }
 
 DischargeWindow discharge(const Scene& scene, const std::vector<std::array<double, 2>>& samples) {

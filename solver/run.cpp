@@ -161,7 +161,7 @@ class Run {
   void watch_orifices() {
     if (watched_orifices_ || settle_ <= 0 || s_.t <= settle_) return;
     watched_orifices_ = true;
-    const double g = std::hypot(scene_.gravity[0], scene_.gravity[1]);
+    const double g = scene_.g();
     for (std::size_t o = 0; o < scene_.orifices.size(); ++o) {
       const double usual =
           scene_.materials[0].density * std::sqrt(g) * std::pow(scene_.orifices[o].width, 1.5) * s_.t;
@@ -238,7 +238,7 @@ class Run {
     r.discharge_window[1] = window.to;
     double width = 0;
     for (const Orifice& o : scene_.orifices) width += o.width;
-    const double g = std::hypot(scene_.gravity[0], scene_.gravity[1]);
+    const double g = scene_.g();
     if (width > 0 && g > 0)
       r.discharge_constant =
           window.rate / (scene_.materials[0].density * std::sqrt(g) * std::pow(width, 1.5));

@@ -20,7 +20,7 @@ Patch Scene::patch() const {
 Scales scales(const Scene& scene) {
   const Material grain = scene.materials.empty() ? Material{} : scene.materials.front();
   const double d = grain.diameter, rho = grain.density;
-  const double g = std::hypot(scene.gravity[0], scene.gravity[1]);
+  const double g = scene.g();
   return {d, std::sqrt(d / g), rho, rho * std::sqrt(g * d * d * d)};
 }
 

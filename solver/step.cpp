@@ -333,7 +333,6 @@ class StepperOf final : public Stepper {
   /// fields: u^n, the first guess, becomes u**.
   SolveStats solve_viscous(Fields& fields, double dt) {
     SolveStats stats;
-    const double g = std::hypot(scene_.gravity[0], scene_.gravity[1]);
     parallel(threads_, [&](Team& team) {
       WallDrag drag;
       if (with_modules && scene_.wall_friction && !limiter())
@@ -342,8 +341,8 @@ class StepperOf final : public Stepper {
       viscous_.assemble(team, eta_, scene_.rheology.corner_mean == CornerMean::harmonic, mass_.density, dt,
                         drag, fields, star_);
       clear_halo(team, fields);
-      const SolveStats s = viscous_.solve(team, star_, fields, scene_.accuracy.viscous_tolerance, g * dt,
-                                          scene_.accuracy.max_iterations);
+      const SolveStats s = viscous_.solve(team, star_, fields, scene_.accuracy.viscous_tolerance,
+                                          scene_.g() * dt, scene_.accuracy.max_iterations);
       if (team.leads()) stats = s;
     });
     return stats;
@@ -353,10 +352,9 @@ class StepperOf final : public Stepper {
     SolveStats stats;
     if (scene_.accuracy.splitting.outer > 1) projection_.forget();  // rounds correct different things
     parallel(threads_, [&](Team& team) {
-      const ProjectionModules modules{
-          with_modules && dilatancy_ ? dilatancy_->divergence() : nullptr, &eta_,
-          scene_.accuracy.splitting.rotational,
-          scene_.materials[0].density * patch_.h * std::hypot(scene_.gravity[0], scene_.gravity[1])};
+      const ProjectionModules modules{with_modules && dilatancy_ ? dilatancy_->divergence() : nullptr, &eta_,
+                                      scene_.accuracy.splitting.rotational,
+                                      scene_.materials[0].density * patch_.h * scene_.g()};
       const SolveStats s = projection_.solve(team, dt, scene_.accuracy.pressure_tolerance,
                                              scene_.accuracy.max_iterations, fields, fields.p, modules);
       if (team.leads()) stats = s;

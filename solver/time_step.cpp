@@ -55,7 +55,7 @@ TimeStep choose_time_step(const Scene& scene, const FastestCells& fastest, doubl
   const auto limit = [&](double dt, DtLimit by) {
     if (dt < best.dt) best = {dt, by};
   };
-  const double g = std::hypot(scene.gravity[0], scene.gravity[1]);
+  const double g = scene.g();
   if (fastest.near_grains > 0) limit(scene.time.cfl * h / fastest.near_grains, DtLimit::cfl);
   if (fastest.air > 0) limit(0.9 * h / fastest.air, DtLimit::cfl_air);
   if (dt_before > 0) {
