@@ -21,7 +21,7 @@ namespace hourglass {
 namespace {
 
 // Measured with configs/silo.yaml, docs/plan.md:
-constexpr double discharge_constant = 1.1;  ///< discharge rate over rho sqrt(g) W^1.5
+constexpr double discharge_constant = 1.1;  ///< discharge rate over discharge_scale()
 constexpr double row_seconds = 25e-9;       ///< a cell and row of the series, on one thread
 constexpr double frame_seconds = 10e-9;     ///< a cell and stored component
 
@@ -61,10 +61,9 @@ class Flow {
       later_.loss = std::max(0.0, samples_[begin].mass - last.mass) / (last.t - samples_[begin].t);
     // Too early for a discharge of its own: the usual one.
     if (!scene.orifices.empty() && last.t < 1.5 * start_up_time(scene)) {
-      const double g = scene.g();
       double usual = 0;
       for (const Orifice& o : scene.orifices)
-        usual += discharge_constant * scene.materials[0].density * std::sqrt(g) * std::pow(o.width, 1.5);
+        usual += discharge_constant * images(scene, o) * discharge_scale(scene, o.width);
       later_.loss = first.mass > 0 ? usual : 0;
     }
   }

@@ -164,6 +164,28 @@ double mass_through(const Scene& scene, const PhaseFlux& flux, Side side, const 
   return sum * scene.copies() * patch.h * patch.h * scene.materials[material].density;
 }
 
+// An orifice on the left edge has its centre there, any other begins at the edge or beyond.
+static bool on_left_edge(const Orifice& o) {
+  return (o.wall == Side::bottom || o.wall == Side::top) && o.centre < 0.25 * o.width;
+}
+
+int images(const Scene& scene, const Orifice& orifice) {
+  return scene.symmetry == Symmetry::mirror && !on_left_edge(orifice) ? 2 : 1;
+}
+
+double total_width(const Scene& scene) {
+  double sum = 0;
+  for (const Orifice& o : scene.orifices)
+    if (!scene.axisymmetric() || (o.wall == Side::bottom && on_left_edge(o)))
+      sum += images(scene, o) * o.width;
+  return sum;
+}
+
+double discharge_scale(const Scene& scene, double width) {
+  return scene.materials[0].density * std::sqrt(scene.g()) *
+         std::pow(width, scene.axisymmetric() ? 2.5 : 1.5);
+}
+
 double start_up_time(const Scene& scene) {
   double widest = 0;
   for (const Orifice& o : scene.orifices) widest = std::max(widest, o.width);

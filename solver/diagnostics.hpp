@@ -46,6 +46,16 @@ struct DischargeWindow {
 };
 DischargeWindow discharge(const Scene& scene, const std::vector<std::array<double, 2>>& time_and_mass);
 
+/// How many orifices of the whole silo one of the scene stands for: 2 beside its image in a mirror plane.
+int images(const Scene& scene, const Orifice& orifice);
+
+/// Widths of all orifices of the whole silo [L]; around an axis of those on the axis alone, for others are rings.
+double total_width(const Scene& scene);
+
+/// Scale of the discharge of orifices of this width altogether: rho sqrt(g) W^1.5; around an axis, where densities are by
+/// volume, rho sqrt(g) W^2.5 [M/T].
+double discharge_scale(const Scene& scene, double width);
+
 /// Time after which the discharge counts as developed: 2.5 sqrt(W/g), W the widest orifice: 10.8
 /// sqrt(d/g) for the base scene, as in docs/accuracy.md.
 double start_up_time(const Scene& scene);
