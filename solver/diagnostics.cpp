@@ -95,6 +95,10 @@ std::vector<double> masses_by_material(const Scene& scene, const Fields& fields,
   return volumes;
 }
 
+double quasi_static_speed(const Scene& scene) {
+  return 1e-3 * std::sqrt(scene.g() * scene.materials[0].diameter);
+}
+
 double slow_fraction(const Fields& fields, const Geometry* geometry, double speed, int threads) {
   const int nx = fields.p.nx(), ny = fields.p.ny();
   RowSums slow(ny), all(ny);

@@ -18,6 +18,9 @@ namespace hourglass {
 std::vector<double> masses_by_material(const Scene& scene, const Fields& fields, const Geometry* geometry,
                                        int threads, bool by_volume = false);
 
+/// Grains slower than this count as quasi-static: 1e-3 sqrt(g d), d that of material 0.
+double quasi_static_speed(const Scene& scene);
+
 /// Share of the grain volume that is slower than `speed`.
 double slow_fraction(const Fields& fields, const Geometry* geometry, double speed, int threads);
 

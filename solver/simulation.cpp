@@ -89,8 +89,7 @@ SeriesRow Simulation::Impl::row(const StepReport& report) const {
   r.step = report;
   r.material_mass = masses_by_material(scene, fields, geometry.get(), threads);
   for (double m : r.material_mass) r.mass += m;
-  r.quasi_static_fraction = slow_fraction(fields, geometry.get(),
-                                          1e-3 * std::sqrt(scene.g() * scene.materials[0].diameter), threads);
+  r.quasi_static_fraction = slow_fraction(fields, geometry.get(), quasi_static_speed(scene), threads);
   r.ill_posed_fraction = ill_posed_fraction(scene, fields, geometry.get(), stepper->rheology(), threads);
   r.max_speed = fastest_grains(fields, geometry.get(), threads);
   r.orifice_outflow = orifice_mass;
@@ -118,9 +117,8 @@ double Simulation::grain_mass() const {
   return total;
 }
 double Simulation::quasi_static_fraction() const {
-  const Scene& s = impl_->scene;
-  return slow_fraction(impl_->fields, impl_->geometry.get(),
-                       1e-3 * std::sqrt(s.g() * s.materials[0].diameter), impl_->threads);
+  return slow_fraction(impl_->fields, impl_->geometry.get(), quasi_static_speed(impl_->scene),
+                       impl_->threads);
 }
 
 std::vector<std::pair<std::string, std::size_t>> Simulation::memory() const {
