@@ -54,7 +54,7 @@ class StepperOf final : public Stepper {
         const bool first = outer + picard == 0;
         if (!first) fill_halo(fields);
         timers.time(with_modules && fluidity_ ? "rheology and fluidity" : "rheology",
-                    [&] { update_viscosity(fields, report); });
+                    [&] { update_viscosity(fields, first, report); });
         timers.time("momentum", [&] {
           if (first) {
             predict_momentum(fields, dt);
@@ -190,12 +190,12 @@ class StepperOf final : public Stepper {
   }
 
   /// eta, S and, where the trace of D is not 0, what it adds to the pressure of a deviatoric stress.
-  void update_viscosity(Fields& fields, StepReport& report) {
+  void update_viscosity(Fields& fields, bool first, StepReport& report) {
     const RheologyStage::Result result =
         rheology_.update(fields, threads_, eta_, {fluidity_.get(), dilatancy_.get()});
     report.capped_cells = result.limits.capped;
     report.floored_cells = result.limits.floored;
-    report.fluidity = result.fluidity;
+    add(result.fluidity, first, report.fluidity);
     if (!with_modules || !trace_.allocated()) return;
     parallel(threads_, [&](Team& team) {
       const Rows rows = team.rows(patch_.ny);

@@ -216,6 +216,17 @@ TEST_CASE("the rotational update finds the pressure of stiff grains at rest, the
   CHECK(soft < 0.02);
 }
 
+TEST_CASE("a tolerance that the fluidity misses in any round of a step is a missed one") {
+  Scene scene = silo_with(1, 32, 100);
+  scene.accuracy.splitting = {2, 2, 1};
+  CHECK(Simulation(scene).step().fluidity.converged);
+  scene.accuracy.fluidity_tolerance = 1e-14;
+  scene.accuracy.max_iterations = 3;
+  const SolveStats missed = Simulation(scene).step().fluidity;
+  CHECK(missed.iterations == 4 * scene.accuracy.max_iterations);
+  CHECK_FALSE(missed.converged);
+}
+
 TEST_CASE("the static share does not depend on the number of steps") {
   const auto share = [](double dt_max) {
     Scene s = silo(64, 27.386);
