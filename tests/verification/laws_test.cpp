@@ -17,8 +17,7 @@ Scene channel(double height, int cells, std::array<double, 2> gravity, Wall top)
 /// I at which the law of the scene has this friction.
 double inertial_number_of(double mu, const Scene& s) {
   const RegularisedFriction law = *regularised_friction(s.materials[0], s.rheology);
-  const Material& m = s.materials[0];
-  const Grain g{m.mu_s, m.delta_mu, m.I_0, m.diameter, m.density, 0};
+  const Grain g = grain_of(s.materials[0]);
   double low = 1e-9, high = 1e3;
   for (int k = 0; k < 200; ++k) {
     const double middle = std::sqrt(low * high);
