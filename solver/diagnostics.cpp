@@ -45,10 +45,9 @@ double ill_posed_fraction(const Scene& scene, const Fields& fields, const Geomet
   RowSums bad(ny), all(ny);
   parallel(threads, [&](Team& team) {
     const Rows rows = team.rows(ny);
-    thread_local std::vector<double> well;
-    well.resize(nx);
+    double* well = row_scratch<double>(nx);
     for (int j = rows.begin; j < rows.end; ++j) {
-      well_posed_row(scene, fields, rheology, j, well.data());
+      well_posed_row(scene, fields, rheology, j, well);
       double b = 0, a = 0;
       for (int i = 0; i < nx; ++i) {
         if (geometry && geometry->volume(i, j) == 0) continue;
