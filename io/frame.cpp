@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
+#include "solver/diagnostics.hpp"
 #include "solver/solids.hpp"
 
 namespace hourglass {
@@ -21,7 +21,7 @@ RunInfo info_of(const Scene& scene) {
   info.symmetry = scene.symmetry;
   info.coordinates = scene.coordinates;
   info.solids = outlines_of(scene);
-  if (!scene.materials.empty()) info.slow_speed = 1e-3 * std::sqrt(scene.g() * scene.materials[0].diameter);
+  if (!scene.materials.empty()) info.slow_speed = quasi_static_speed(scene);
   return info;
 }
 

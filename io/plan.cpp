@@ -83,6 +83,26 @@ Switches switches_of(const Scene& scene) {
       s.off.push_back(std::move(key));
     }
   };
+  add(scene.symmetry == Symmetry::mirror, "domain.symmetry", [] {
+    return std::string("mirror: one half of the silo is solved; masses and rates are those of the whole");
+  });
+  add(scene.axisymmetric(), "domain.coordinates", [] {
+    return std::string("axisymmetric around the left edge: cells and faces count by their radius (geometry)");
+  });
+  add(scene.air.model == AirModel::none, "air.model",
+      [] { return std::string("none: p = 0 on the free surface, air is not solved"); });
+  const char* solids = solid_model_names[static_cast<int>(scene.accuracy.solids)];
+  add(!scene.inserts.empty(), "inserts",
+      [&] { return fmt::format("solids in the flow: {}, by {} (geometry)", scene.inserts.size(), solids); });
+  add(scene.hopper.has_value(), "hopper", [&] {
+    return fmt::format(
+        "walls at {:.6g} degrees to the vertical down to an outlet of {:.6g}, by {} (geometry)",
+        scene.hopper->half_angle, scene.hopper->outlet, solids);
+  });
+  add(scene.feed.has_value(), "feed", [&] {
+    return fmt::format("grains of {} replace air below y = {:.6g}",
+                       scene.materials[scene.feed->material].name, scene.feed->level);
+  });
   const Rheology& r = scene.rheology;
   const bool friction = r.law != Law::newtonian;  // without it what follows is not used
   add(r.law != Law::mu_I, "physics.rheology.law", [&] {
@@ -168,6 +188,7 @@ std::vector<ArrayGroup> arrays_of(const Simulation& simulation) {
       return fmt::format("u, v, p, grains{}{}{}", tracers > 0 ? fmt::format(", tracers ({})", tracers) : "",
                          scene.dilatancy ? fmt::format(", solid ({})", tracers + 1) : "",
                          scene.nonlocal ? ", fluidity" : "");
+    if (group == "geometry") return "open shares of cells, faces and control volumes, and their walls";
     if (group == "volume of fluid") return "fluxes of each phase, owner flags";
     if (group == "mass transport") return "density, mass fluxes";
     if (group == "rheology")

@@ -55,8 +55,7 @@ inline void fluidity_row_thesis(const FluidityRow row, const double* __restrict 
     const double slip = std::min(I[i] / g.I_0, 1e30);
     const double kappa = g.delta_mu * slip / std::max(reach * reach, 1e-30);
     const double local = std::sqrt(row.gamma2[i]) / std::max(mu[i], 1e-30);
-    const double bounded = std::min(std::max(kappa, least_absorption), most_absorption);
-    detail::store(row, i, bounded, bounded * local, row.pressure[i] / eta_max);
+    detail::store(row, i, kappa, kappa * local, row.pressure[i] / eta_max);
   }
 }
 

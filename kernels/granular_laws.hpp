@@ -51,8 +51,11 @@ struct RegularisedFriction {
   double mu_inf = 0.05;  ///< [1]
 
   double mu(double I, const Grain& g) const {
-    if (I > I_1) return (g.mu_s * g.I_0 + (g.mu_s + g.delta_mu) * I + mu_inf * I * I) / (g.I_0 + I);
-    return std::sqrt(alpha / (log_A - std::log(std::max(I, 1e-300))));
+    return I > I_1 ? mu_beyond(I, g) : std::sqrt(alpha / (log_A - std::log(std::max(I, 1e-300))));
+  }
+  /// The branch beyond I_1.
+  double mu_beyond(double I, const Grain& g) const {
+    return (g.mu_s * g.I_0 + (g.mu_s + g.delta_mu) * I + mu_inf * I * I) / (g.I_0 + I);
   }
 };
 

@@ -64,7 +64,9 @@ double bytes_a_cell(const Simulation& s) {
   return sum / static_cast<double>(s.fields().patch().cells());
 }
 
-double seconds_of_step(Simulation& s) {
+/// Of a Simulation or a twin.
+template <class Steps>
+double seconds_of_step(Steps& s) {
   const double before = perf::thread_seconds();
   s.step();
   return perf::thread_seconds() - before;
@@ -105,14 +107,9 @@ double price_of_generality(int n, int steps) {
     if (!full) full = twins::full(n);
     std::vector<double> a, b;
     for (int k = 0; k < 20 + steps; ++k) {
-      const auto time = [](twins::Silo& silo) {
-        const double before = perf::thread_seconds();
-        silo.step();
-        return perf::thread_seconds() - before;
-      };
       // Who goes first changes, for the second finds a warmer core.
       const bool first = k % 2 == 0;
-      const double x = time(first ? *full : *bare), y = time(first ? *bare : *full);
+      const double x = seconds_of_step(first ? *full : *bare), y = seconds_of_step(first ? *bare : *full);
       if (k < 20) continue;
       a.push_back(first ? x : y);
       b.push_back(first ? y : x);
@@ -127,18 +124,13 @@ double price_of_generality(int n, int steps) {
   return perf::median(rounds);
 }
 
-std::string option(int argc, char** argv, const std::string& name, const std::string& otherwise) {
-  for (int k = 1; k < argc; ++k)
-    if (std::string(argv[k]).starts_with("--" + name + "=")) return argv[k] + name.size() + 3;
-  return otherwise;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int steps = std::stoi(option(argc, argv, "steps", "40"));
+  perf::start(argc, argv, {"grids", "steps", "picture", "prices"});
+  const int steps = std::stoi(perf::flag("steps", "40"));
   std::vector<int> grids;
-  const std::string list = option(argc, argv, "grids", "256,1024");
+  const std::string list = perf::flag("grids", "256,1024");
   for (std::size_t at = 0; at < list.size();
        at = list.find(',', at) == std::string::npos ? list.size() : list.find(',', at) + 1)
     grids.push_back(std::stoi(list.substr(at)));
@@ -149,7 +141,7 @@ int main(int argc, char** argv) {
   fmt::print("\n|---|---|");
   for (std::size_t k = 0; k < grids.size(); ++k) fmt::print("---|");
   fmt::print("\n");
-  const bool free_only = option(argc, argv, "prices", "yes") == "no";
+  const bool free_only = perf::flag("prices", "yes") == "no";
   for (const Choice& choice : free_only ? std::vector<Choice>{} : choices) {
     perf::ModulePrice p{choice.name, 0, {}};
     for (int n : grids) {
@@ -170,6 +162,6 @@ int main(int argc, char** argv) {
         "{}², no module named: {:+.2f} % over an engine without modules, fields equal to the last bit\n", n,
         100 * (ratio - 1));
   }
-  const std::string picture = option(argc, argv, "picture", "");
+  const std::string picture = perf::flag("picture");
   if (!picture.empty()) perf::draw_prices(prices, grids, picture);
 }

@@ -17,6 +17,7 @@
 #include "solver/boundary_of.hpp"
 #include "solver/timers.hpp"
 #include "tests/support/make_scene.hpp"
+#include "tests/support/same_bits.hpp"
 
 // ---- allocations: glibc's functions under their own names, counted ----------------------------------------
 
@@ -71,13 +72,7 @@ std::unique_ptr<Simulation> simulation(const Phase& phase, int n, int threads) {
 }
 
 bool same(const Fields& a, const Fields& b) {
-  const auto equal = [](const auto& x, const auto& y) {
-    for (int j = 0; j < x.ny(); ++j)
-      for (int i = 0; i < x.nx(); ++i)
-        if (x(i, j) != y(i, j)) return false;
-    return true;
-  };
-  return equal(a.u, b.u) && equal(a.v, b.v) && equal(a.p, b.p) && equal(a.grains, b.grains);
+  return same_bits(a.u, b.u) && same_bits(a.v, b.v) && same_bits(a.p, b.p) && same_bits(a.grains, b.grains);
 }
 
 /// Bytes a cell and step: README.md.

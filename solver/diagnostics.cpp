@@ -45,10 +45,9 @@ double ill_posed_fraction(const Scene& scene, const Fields& fields, const Geomet
   RowSums bad(ny), all(ny);
   parallel(threads, [&](Team& team) {
     const Rows rows = team.rows(ny);
-    thread_local std::vector<double> well;
-    well.resize(nx);
+    double* well = row_scratch<double>(nx);
     for (int j = rows.begin; j < rows.end; ++j) {
-      well_posed_row(scene, fields, rheology, j, well.data());
+      well_posed_row(scene, fields, rheology, j, well);
       double b = 0, a = 0;
       for (int i = 0; i < nx; ++i) {
         if (geometry && geometry->volume(i, j) == 0) continue;
@@ -93,6 +92,10 @@ std::vector<double> masses_by_material(const Scene& scene, const Fields& fields,
   for (std::size_t k = 1; k < volumes.size(); ++k) volumes[0] -= volumes[k];
   for (std::size_t k = 0; k < volumes.size(); ++k) volumes[k] *= scene.materials[k].density;
   return volumes;
+}
+
+double quasi_static_speed(const Scene& scene) {
+  return 1e-3 * std::sqrt(scene.g() * scene.materials[0].diameter);
 }
 
 double slow_fraction(const Fields& fields, const Geometry* geometry, double speed, int threads) {
@@ -164,11 +167,32 @@ double mass_through(const Scene& scene, const PhaseFlux& flux, Side side, const 
   return sum * scene.copies() * patch.h * patch.h * scene.materials[material].density;
 }
 
+// An orifice on the left edge has its centre there, any other begins at the edge or beyond.
+static bool on_left_edge(const Orifice& o) {
+  return (o.wall == Side::bottom || o.wall == Side::top) && o.centre < 0.25 * o.width;
+}
+
+int images(const Scene& scene, const Orifice& orifice) {
+  return scene.symmetry == Symmetry::mirror && !on_left_edge(orifice) ? 2 : 1;
+}
+
+double total_width(const Scene& scene) {
+  double sum = 0;
+  for (const Orifice& o : scene.orifices)
+    if (!scene.axisymmetric() || (o.wall == Side::bottom && on_left_edge(o)))
+      sum += images(scene, o) * o.width;
+  return sum;
+}
+
+double discharge_scale(const Scene& scene, double width) {
+  return scene.materials[0].density * std::sqrt(scene.g()) *
+         std::pow(width, scene.axisymmetric() ? 2.5 : 1.5);
+}
+
 double start_up_time(const Scene& scene) {
   double widest = 0;
   for (const Orifice& o : scene.orifices) widest = std::max(widest, o.width);
-  const double g = std::hypot(scene.gravity[0], scene.gravity[1]);
-  return g > 0 ? 2.5 * std::sqrt(widest / g) : 0;
+  return scene.g() > 0 ? 2.5 * std::sqrt(widest / scene.g()) : 0;
 }
 
 DischargeWindow discharge(const Scene& scene, const std::vector<std::array<double, 2>>& samples) {

@@ -18,6 +18,9 @@ namespace hourglass {
 std::vector<double> masses_by_material(const Scene& scene, const Fields& fields, const Geometry* geometry,
                                        int threads, bool by_volume = false);
 
+/// Grains slower than this count as quasi-static: 1e-3 sqrt(g d), d that of material 0.
+double quasi_static_speed(const Scene& scene);
+
 /// Share of the grain volume that is slower than `speed`.
 double slow_fraction(const Fields& fields, const Geometry* geometry, double speed, int threads);
 
@@ -45,6 +48,16 @@ struct DischargeWindow {
   double from = 0, to = 0;
 };
 DischargeWindow discharge(const Scene& scene, const std::vector<std::array<double, 2>>& time_and_mass);
+
+/// How many orifices of the whole silo one of the scene stands for: 2 beside its image in a mirror plane.
+int images(const Scene& scene, const Orifice& orifice);
+
+/// Widths of all orifices of the whole silo [L]; around an axis of those on the axis alone, for others are rings.
+double total_width(const Scene& scene);
+
+/// Scale of the discharge of orifices of this width altogether: rho sqrt(g) W^1.5; around an axis, where densities are by
+/// volume, rho sqrt(g) W^2.5 [M/T].
+double discharge_scale(const Scene& scene, double width);
 
 /// Time after which the discharge counts as developed: 2.5 sqrt(W/g), W the widest orifice: 10.8
 /// sqrt(d/g) for the base scene, as in docs/accuracy.md.

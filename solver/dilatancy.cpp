@@ -19,7 +19,7 @@ DilatancyStage::DilatancyStage(const Scene& scene, const Patch& patch, Ends ends
       relaxation_time_(scene.dilatancy->relaxation_time), K_(scene.dilatancy->K), ends_(ends),
       geometry_(geometry), ratio_(scene.materials.size(), CellField(patch, 1)),
       flux_x_(scene.materials.size(), XFaceField(patch)), flux_y_(scene.materials.size(), YFaceField(patch)),
-      least_pressure_(scene.materials[0].density * std::hypot(scene.gravity[0], scene.gravity[1]) * patch.h) {
+      least_pressure_(scene.materials[0].density * scene.g() * patch.h) {
   if (mode_ == DilatancyMode::weight) return;
   divergence_ = CellField(patch);
   compliance_ = CellField(patch);

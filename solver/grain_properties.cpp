@@ -14,11 +14,12 @@ thread_local std::vector<const double*> share_rows;
 GrainProperties::GrainProperties(const Scene& scene) {
   for (const Material& m : scene.materials) {
     const auto add = [&](Property p, double value) { values_[p].push_back(value); };
-    add(mu_s, m.mu_s);
-    add(delta_mu, m.delta_mu);
-    add(I_0, m.I_0);
-    add(d_sqrt_rho, m.diameter * std::sqrt(m.density));
-    add(cohesion, m.cohesion);
+    const Grain& g = grains_.emplace_back(grain_of(m));
+    add(mu_s, g.mu_s);
+    add(delta_mu, g.delta_mu);
+    add(I_0, g.I_0);
+    add(d_sqrt_rho, g.d_sqrt_rho());
+    add(cohesion, g.cohesion);
     add(viscosity, m.viscosity);
     add(A_d, (m.A ? *m.A : scene.nonlocal ? scene.nonlocal->A : 0) * m.diameter);
     add(phi_g, m.phi_g ? *m.phi_g : scene.dilatancy ? scene.dilatancy->phi_g : 0);
@@ -32,11 +33,6 @@ GrainProperties::GrainProperties(const Scene& scene) {
 bool GrainProperties::equal_law() const {
   return equal_[mu_s] && equal_[delta_mu] && equal_[I_0] && equal_[d_sqrt_rho] && equal_[cohesion] &&
          equal_[viscosity];
-}
-
-Grain GrainProperties::grain(int k) const {
-  return {values_[mu_s][k],    values_[delta_mu][k], values_[I_0][k], values_[d_sqrt_rho][k], 1,
-          values_[cohesion][k]};
 }
 
 GrainProperties::Rows::Rows(const GrainProperties& properties, const Fields& fields, int j)

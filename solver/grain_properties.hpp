@@ -21,7 +21,7 @@ class GrainProperties {
   /// Whether no property of the law differs.
   bool equal_law() const;
   /// The law's properties of one material.
-  Grain grain(int material) const;
+  const Grain& grain(int material) const { return grains_[material]; }
 
   /// Rows of means, in memory of the calling thread until the next of this kind on it.
   class Rows {
@@ -48,6 +48,7 @@ class GrainProperties {
   };
 
  private:
+  std::vector<Grain> grains_;  ///< by material
   std::array<std::vector<double>, count> values_;
   std::array<bool, count> equal_;
 };

@@ -92,9 +92,9 @@ void RheologyStage::finish_shear_rate_row(const Fields& fields, int j) {
     g2[i] = weight[i] > 1e-12 ? std::max(g2[i], 0.0) / std::max(weight[i], 1e-12) : 0.0;
 }
 
-void RheologyStage::newtonian_row(const Fields& fields, int j, double* eta) {
-  GrainProperties::Rows rows(properties_, fields, j);
-  const double *c = fields.grains.row(j), *viscosity = rows[GrainProperties::viscosity];
+void RheologyStage::newtonian_row(const Fields& fields, int j, GrainProperties::Rows& properties,
+                                  double* eta) {
+  const double *c = fields.grains.row(j), *viscosity = properties[GrainProperties::viscosity];
   const int nx = fields.p.nx();
 #pragma omp simd
   for (int i = 0; i < nx; ++i) eta[i] = c[i] * viscosity[i] + (1 - c[i]) * limits_.air;
@@ -115,7 +115,7 @@ void RheologyStage::general_row(const Fields& fields, int j, const Modules& modu
     for (int i = 0; i < nx; ++i) out[i] = F[i] * pressure[i] * c[i];
     fill_ends(ends_, out, nx);
   }
-  if (law_ == Law::newtonian) return newtonian_row(fields, j, eta);
+  if (law_ == Law::newtonian) return newtonian_row(fields, j, rows, eta);
 
   const double* gamma2 = gamma2_.row(j);
   if (smooth_cap_) {

@@ -44,7 +44,7 @@ class RheologyStage {
   void smooth(Team& team, const Fields& fields, CellField& spare);
   void finish_shear_rate_row(const Fields& fields, int j);
   void shear_rate_row(const Fields& fields, int j, double* out) const;
-  void newtonian_row(const Fields& fields, int j, double* eta);
+  void newtonian_row(const Fields& fields, int j, GrainProperties::Rows& properties, double* eta);
   void general_row(const Fields& fields, int j, const Modules& modules, double* eta);
   void count_row(const Fields& fields, int j, const double* eta);
 

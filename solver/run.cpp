@@ -163,10 +163,9 @@ class Run {
   void watch_orifices() {
     if (watched_orifices_ || settle_ <= 0 || s_.t <= settle_) return;
     watched_orifices_ = true;
-    const double g = std::hypot(scene_.gravity[0], scene_.gravity[1]);
     for (std::size_t o = 0; o < scene_.orifices.size(); ++o) {
-      const double usual =
-          scene_.materials[0].density * std::sqrt(g) * std::pow(scene_.orifices[o].width, 1.5) * s_.t;
+      const Orifice& orifice = scene_.orifices[o];
+      const double usual = images(scene_, orifice) * discharge_scale(scene_, orifice.width) * s_.t;
       if (s_.orifice_mass[o] < 0.02 * usual)  // 0.005 falls out before a jam sets
         warn(fmt::format(
             "orifice {} is open but does not flow: {:.3g} left in the first {:.3g}; an orifice of this "
@@ -239,12 +238,8 @@ class Run {
     r.discharge_rate = window.rate;
     r.discharge_window[0] = window.from;
     r.discharge_window[1] = window.to;
-    double width = 0;
-    for (const Orifice& o : scene_.orifices) width += o.width;
-    const double g = std::hypot(scene_.gravity[0], scene_.gravity[1]);
-    if (width > 0 && g > 0)
-      r.discharge_constant =
-          window.rate / (scene_.materials[0].density * std::sqrt(g) * std::pow(width, 1.5));
+    const double scale = discharge_scale(scene_, total_width(scene_));
+    if (scale > 0) r.discharge_constant = window.rate / scale;
     double share = 0, rows = 0;
     for (const auto& [time, fraction] : static_over_time_)
       if (time >= window.from && time <= window.to) {

@@ -20,17 +20,15 @@ Patch Scene::patch() const {
 Scales scales(const Scene& scene) {
   const Material grain = scene.materials.empty() ? Material{} : scene.materials.front();
   const double d = grain.diameter, rho = grain.density;
-  const double g = std::hypot(scene.gravity[0], scene.gravity[1]);
+  const double g = scene.g();
   return {d, std::sqrt(d / g), rho, rho * std::sqrt(g * d * d * d)};
 }
 
+Grain grain_of(const Material& m) { return {m.mu_s, m.delta_mu, m.I_0, m.diameter, m.density, m.cohesion}; }
+
 std::optional<std::array<double, 2>> well_posed_range(const Material& m) {
-  const auto is_well_posed = [&](double log_I) {
-    const double I = std::exp(log_I), sum = m.I_0 + I;
-    const double mu = m.mu_s + m.delta_mu * I / sum;
-    const double nu = I * m.delta_mu * m.I_0 / (sum * sum) / mu;
-    return 4 * nu * nu - 4 * nu + mu * mu * (1 - nu / 2) * (1 - nu / 2) <= 0;
-  };
+  const Grain grain = grain_of(m);
+  const auto is_well_posed = [&](double log_I) { return well_posedness(std::exp(log_I), grain) <= 0; };
   const auto edge = [&](double outside, double inside) {  // by bisection
     for (int k = 0; k < 60; ++k) {
       const double middle = 0.5 * (outside + inside);
@@ -53,8 +51,7 @@ std::optional<RegularisedFriction> regularised_friction(const Material& m, const
   const auto range = well_posed_range(m);
   if (!range || (*range)[0] <= 0) return std::nullopt;
   RegularisedFriction r{(*range)[0], 0, rheology.alpha, rheology.mu_inf};
-  const double mu =
-      (m.mu_s * m.I_0 + (m.mu_s + m.delta_mu) * r.I_1 + r.mu_inf * r.I_1 * r.I_1) / (m.I_0 + r.I_1);
+  const double mu = r.mu_beyond(r.I_1, grain_of(m));
   r.log_A = std::log(r.I_1) + r.alpha / (mu * mu);
   return r;
 }

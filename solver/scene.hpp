@@ -270,9 +270,11 @@ struct Scales {
 };
 Scales scales(const Scene& scene);
 
+/// What the law needs of a material.
+Grain grain_of(const Material& material);
+
 /// The inertial numbers [low, high] between which the mu(I) equations of a material are well posed; nullopt
-/// if there are none. Barker, Schaeffer, Bohorquez & Gray 2015, JFM 779:794: C = 4 nu^2 - 4 nu + mu^2 (1 -
-/// nu/2)^2 <= 0 with nu = I mu'(I) / mu.
+/// if there are none (granular_laws.hpp, well_posedness).
 std::optional<std::array<double, 2>> well_posed_range(const Material& material);
 
 /// The law mu_I_regularised of a material; nullopt where mu(I) is well posed nowhere: then it has no I_1 to hold on to.

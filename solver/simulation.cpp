@@ -156,9 +156,7 @@ SeriesRow Simulation::Impl::row(const StepReport& report) const {
   r.step = report;
   r.material_mass = masses_by_material(scene, fields, geometry.get(), threads);
   for (double m : r.material_mass) r.mass += m;
-  const double g = std::hypot(scene.gravity[0], scene.gravity[1]);
-  r.quasi_static_fraction =
-      slow_fraction(fields, geometry.get(), 1e-3 * std::sqrt(g * scene.materials[0].diameter), threads);
+  r.quasi_static_fraction = slow_fraction(fields, geometry.get(), quasi_static_speed(scene), threads);
   r.ill_posed_fraction = ill_posed_fraction(scene, fields, geometry.get(), stepper->rheology(), threads);
   r.max_speed = fastest_grains(fields, geometry.get(), threads);
   r.orifice_outflow = orifice_mass;
@@ -187,9 +185,7 @@ double Simulation::grain_mass() const {
   return total;
 }
 double Simulation::quasi_static_fraction() const {
-  const Scene& s = impl_->scene;
-  const double g = std::hypot(s.gravity[0], s.gravity[1]);
-  return slow_fraction(impl_->fields, impl_->geometry.get(), 1e-3 * std::sqrt(g * s.materials[0].diameter),
+  return slow_fraction(impl_->fields, impl_->geometry.get(), quasi_static_speed(impl_->scene),
                        impl_->threads);
 }
 

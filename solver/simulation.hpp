@@ -51,8 +51,7 @@ struct Summary {
   Status status = Status::finished;
   std::string reason;
   double discharge_rate = 0;  ///< least-squares slope of mass less feed over time, start-up left out [M/T]
-  double discharge_constant =
-      0;  ///< discharge_rate / (rho sqrt(g) W^1.5), W the sum of widths; W^2.5 around an axis
+  double discharge_constant = 0;        ///< discharge_rate / discharge_scale(), W the total width
   double discharge_window[2] = {0, 0};  ///< the times that the slope was taken over [T]
   double quasi_static_fraction = 0;     ///< at the end of that window
   double mass_error = 0;                ///< |grain loss + feed - integrated outflow| / initial mass

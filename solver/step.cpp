@@ -59,7 +59,7 @@ class StepperOf final : public Stepper {
         const bool first = outer + picard == 0;
         if (!first) fill_halo(fields);
         timers.time(with_modules && fluidity_ ? "rheology and fluidity" : "rheology",
-                    [&] { update_viscosity(fields, report); });
+                    [&] { update_viscosity(fields, first, report); });
         timers.time("momentum", [&] {
           if (first) {
             predict_momentum(fields, dt);
@@ -198,12 +198,12 @@ class StepperOf final : public Stepper {
   }
 
   /// eta, S and, where the trace of D is not 0, what it adds to the pressure of a deviatoric stress.
-  void update_viscosity(Fields& fields, StepReport& report) {
+  void update_viscosity(Fields& fields, bool first, StepReport& report) {
     const RheologyStage::Result result =
         rheology_.update(fields, threads_, eta_, {fluidity_.get(), dilatancy_.get()});
     report.capped_cells = result.limits.capped;
     report.floored_cells = result.limits.floored;
-    report.fluidity = result.fluidity;
+    add(result.fluidity, first, report.fluidity);
     if (!with_modules || !trace_.allocated()) return;
     parallel(threads_, [&](Team& team) {
       const Rows rows = team.rows(patch_.ny);
@@ -341,7 +341,6 @@ class StepperOf final : public Stepper {
   /// fields: u^n, the first guess, becomes u**.
   SolveStats solve_viscous(Fields& fields, double dt) {
     SolveStats stats;
-    const double g = std::hypot(scene_.gravity[0], scene_.gravity[1]);
     parallel(threads_, [&](Team& team) {
       WallDrag drag;
       if (with_modules && scene_.wall_friction && !limiter())
@@ -350,8 +349,8 @@ class StepperOf final : public Stepper {
       viscous_.assemble(team, eta_, scene_.rheology.corner_mean == CornerMean::harmonic, mass_.density, dt,
                         drag, fields, star_);
       clear_halo(team, fields);
-      const SolveStats s = viscous_.solve(team, star_, fields, scene_.accuracy.viscous_tolerance, g * dt,
-                                          scene_.accuracy.max_iterations);
+      const SolveStats s = viscous_.solve(team, star_, fields, scene_.accuracy.viscous_tolerance,
+                                          scene_.g() * dt, scene_.accuracy.max_iterations);
       if (team.leads()) stats = s;
     });
     return stats;
@@ -361,10 +360,9 @@ class StepperOf final : public Stepper {
     SolveStats stats;
     if (scene_.accuracy.splitting.outer > 1) projection_.forget();  // rounds correct different things
     parallel(threads_, [&](Team& team) {
-      const ProjectionModules modules{
-          with_modules && dilatancy_ ? dilatancy_->divergence() : nullptr, &eta_,
-          scene_.accuracy.splitting.rotational,
-          scene_.materials[0].density * patch_.h * std::hypot(scene_.gravity[0], scene_.gravity[1])};
+      const ProjectionModules modules{with_modules && dilatancy_ ? dilatancy_->divergence() : nullptr, &eta_,
+                                      scene_.accuracy.splitting.rotational,
+                                      scene_.materials[0].density * patch_.h * scene_.g()};
       const SolveStats s = projection_.solve(team, dt, scene_.accuracy.pressure_tolerance,
                                              scene_.accuracy.max_iterations, fields, fields.p, modules);
       if (team.leads()) stats = s;

@@ -27,9 +27,8 @@ FastestCells fastest_cells(const Fields& fields, int threads, std::array<RowSums
   RowSums &near = by_row[0], &air = by_row[1];
   parallel(threads, [&](Team& team) {
     const Rows rows = team.rows(ny);
-    thread_local std::vector<double> by_grains, in_air;
-    by_grains.resize(nx);
-    in_air.resize(nx);
+    double* __restrict by_grains = row_scratch<double>(2 * nx);
+    double* __restrict in_air = by_grains + nx;
     for (int j = rows.begin; j < rows.end; ++j) {
       const double *u = fields.u.row(j), *vs = fields.v.row(j), *vn = fields.v.row(j + 1);
       const double *c = fields.grains.row(j), *below = fields.grains.row(j - 1),
@@ -42,8 +41,8 @@ FastestCells fastest_cells(const Fields& fields, int threads, std::array<RowSums
         by_grains[i] = any > 0 ? speed : 0.0;
         in_air[i] = any > 0 ? 0.0 : speed;
       }
-      near[j] = max_magnitude(by_grains.data(), nx);
-      air[j] = max_magnitude(in_air.data(), nx);
+      near[j] = max_magnitude(by_grains, nx);
+      air[j] = max_magnitude(in_air, nx);
     }
   });
   return {near.max(), air.max()};
@@ -55,7 +54,7 @@ TimeStep choose_time_step(const Scene& scene, const FastestCells& fastest, doubl
   const auto limit = [&](double dt, DtLimit by) {
     if (dt < best.dt) best = {dt, by};
   };
-  const double g = std::hypot(scene.gravity[0], scene.gravity[1]);
+  const double g = scene.g();
   if (fastest.near_grains > 0) limit(scene.time.cfl * h / fastest.near_grains, DtLimit::cfl);
   if (fastest.air > 0) limit(0.9 * h / fastest.air, DtLimit::cfl_air);
   if (dt_before > 0) {

@@ -1,7 +1,7 @@
 // Exact flows of the mu(I) rheology: Bagnold flow down an incline, and the vertical chute with its plug.
 #include "tests/support/expect_order.hpp"
 #include "tests/support/figures.hpp"
-#include "tests/support/make_scene.hpp"
+#include "tests/support/granular_channel.hpp"
 
 using namespace hourglass;
 
@@ -9,34 +9,6 @@ namespace {
 
 // Depth or half width, g and density are 1. The steps that the Courant number allows, in viscous times, grow as d^2: fine
 // grains (d = 1/30) take minutes to settle, coarse ones (1/4) seconds.
-
-/// Four cells wide and periodic, full of grains (0.32, 0.28, 0.4) of diameter d; gravity along x drives.
-Scene channel(double height, int cells, std::array<double, 2> gravity, double d) {
-  Scene s;
-  s.height = height;
-  s.width = 4 * height / cells;
-  s.cells_x = 4;
-  s.gravity = gravity;
-  s.materials = {well_posed_grains()};
-  s.materials[0].diameter = d;
-  s.fill = {fill_box(0, 0, s.width, 0, height)};
-  s.walls = {Wall::periodic, Wall::periodic, Wall::no_slip, Wall::open};
-  s.rheology.eta_min = 1e-6;
-  s.rheology.eta_max = 1e5;
-  s.rheology.smoothing_length = 0;
-  s.time.dt_max = 1e30;
-  s.accuracy.viscous_tolerance = 1e-7;
-  s.accuracy.pressure_tolerance = 1e-9;
-  s.accuracy.precision = Precision::full;
-  s.threads = 1;
-  return s;
-}
-
-template <class Velocity>
-void start(Fields& f, Velocity&& velocity) {
-  for (int j = 0; j < f.u.ny(); ++j)
-    for (int i = 0; i < f.u.nx(); ++i) f.u(i, j) = velocity(f.patch().y_centre(j));
-}
 
 struct Errors {
   double l2, largest;
@@ -72,7 +44,7 @@ double chute(double x, double d) {
 std::vector<double> bagnold_errors(double d, CornerMean mean, double end, const std::vector<int>& grids) {
   std::vector<double> errors, largest;
   for (int n : grids) {
-    Scene scene = channel(1, n, {std::sin(alpha), -std::cos(alpha)}, d);
+    Scene scene = granular_channel(1, n, {std::sin(alpha), -std::cos(alpha)}, d, Wall::open);
     scene.rheology.corner_mean = mean;
     Simulation simulation(scene);
     Fields& f = simulation.fields();
@@ -140,8 +112,7 @@ TEST_CASE("vertical chute at constant pressure: order 4/3, from the edge of the 
   std::vector<double> errors, plug;
   for (int n : {16, 32, 64, 128}) {
     // y from the wall at rest to the centre line; the pressure is that of the background alone.
-    Scene s = channel(W, n, {1, 0}, d);
-    s.walls[static_cast<int>(Side::top)] = Wall::free_slip;
+    Scene s = granular_channel(W, n, {1, 0}, d, Wall::free_slip);
     s.rheology.background_pressure = 1;
     Simulation simulation(s);
     const auto exact = [&](double y) { return chute(W - y, d); };

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "tests/support/asymmetry.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/make_scene.hpp"
 
@@ -31,7 +32,7 @@ Outcome outcome(Scene scene) {
   CHECK(summary.missed_tolerances == 0);
   const Fields& f = s.fields();
   const int n = f.p.nx();
-  double corner = 0, difference = 0, speed = 0, checker = 0, cells = 0;
+  double corner = 0, checker = 0, cells = 0;
   for (int j = 0; j < n / 10; ++j)
     for (int i = 0; i < n / 10; ++i) corner += 0.5 * (f.p(i, j) + f.p(n - 1 - i, j));
   corner /= (n / 10) * (n / 10);
@@ -39,20 +40,15 @@ Outcome outcome(Scene scene) {
   for (int j = 1; j < n; ++j)
     for (int i = 0; i < n; ++i) {
       if (f.grains(i, j) + f.grains(i, j - 1) < 1.999) continue;
-      difference += std::abs(f.v(i, j) - f.v(n - 1 - i, j));
-      speed += std::abs(f.v(i, j));
       if (i + 1 == n || f.grains(i + 1, j) < 1 || f.grains(i + 1, j - 1) < 1 || rate(i, j) < 0.02) continue;
       const double x = std::log(eta(i, j)) - std::log(eta(i + 1, j)) - std::log(eta(i, j - 1)) +
                        std::log(eta(i + 1, j - 1));
       checker += x * x / 16;
       cells += 1;
     }
-  return {summary.discharge_rate / code_unit,
-          summary.quasi_static_fraction,
-          corner / 135,
-          difference / speed,
-          std::sqrt(checker / std::max(cells, 1.0)),
-          count.viscous / count.steps};
+  return {
+      summary.discharge_rate / code_unit,        summary.quasi_static_fraction, corner / 135, asymmetry(f, f),
+      std::sqrt(checker / std::max(cells, 1.0)), count.viscous / count.steps};
 }
 
 }  // namespace

@@ -1,47 +1,23 @@
 // Exact flows of the other laws: Bagnold flow of regularised friction, the vertical chute and a block of cohesive grains.
 #include "tests/support/expect_order.hpp"
 #include "tests/support/figures.hpp"
-#include "tests/support/make_scene.hpp"
+#include "tests/support/granular_channel.hpp"
 
 using namespace hourglass;
 
 namespace {
 
-/// Four cells wide and periodic, full of grains of diameter 1/4; gravity along x drives. Height, g and density are of order 1.
 constexpr double d = 0.25;
 Scene channel(double height, int cells, std::array<double, 2> gravity, Wall top) {
-  Scene s;
-  s.height = height;
-  s.width = 4 * height / cells;
-  s.cells_x = 4;
-  s.gravity = gravity;
-  s.materials = {well_posed_grains()};
-  s.materials[0].diameter = d;
-  s.fill = {fill_box(0, 0, s.width, 0, height)};
-  s.walls = {Wall::periodic, Wall::periodic, Wall::no_slip, top};
-  s.rheology.eta_min = 1e-6;
-  s.rheology.eta_max = 1e5;
-  s.rheology.smoothing_length = 0;
+  Scene s = granular_channel(height, cells, gravity, d, top);
   s.rheology.corner_mean = CornerMean::arithmetic;
-  s.time.dt_max = 1e30;
-  s.accuracy.viscous_tolerance = 1e-7;
-  s.accuracy.pressure_tolerance = 1e-9;
-  s.accuracy.precision = Precision::full;
-  s.threads = 1;
   return s;
-}
-
-template <class Velocity>
-void start(Fields& f, Velocity&& velocity) {
-  for (int j = 0; j < f.u.ny(); ++j)
-    for (int i = 0; i < f.u.nx(); ++i) f.u(i, j) = velocity(f.patch().y_centre(j));
 }
 
 /// I at which the law of the scene has this friction.
 double inertial_number_of(double mu, const Scene& s) {
   const RegularisedFriction law = *regularised_friction(s.materials[0], s.rheology);
-  const Material& m = s.materials[0];
-  const Grain g{m.mu_s, m.delta_mu, m.I_0, m.diameter, m.density, 0};
+  const Grain g = grain_of(s.materials[0]);
   double low = 1e-9, high = 1e3;
   for (int k = 0; k < 200; ++k) {
     const double middle = std::sqrt(low * high);

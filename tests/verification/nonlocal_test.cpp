@@ -2,7 +2,7 @@
 // equation; and silos.
 #include "tests/support/expect_order.hpp"
 #include "tests/support/figures.hpp"
-#include "tests/support/make_scene.hpp"
+#include "tests/support/granular_channel.hpp"
 
 using namespace hourglass;
 
@@ -13,26 +13,12 @@ constexpr double mu_s = 0.32, delta_mu = 0.28, I_0 = 0.4, mu_2 = mu_s + delta_mu
 
 /// Half a channel from the wall at rest, y = 0, to the centre line; gravity along it. The stress ratio is m = W - y.
 Scene half_channel(int cells, Closure closure, FluidityWall walls) {
-  Scene s;
-  s.height = W;
-  s.width = 4 * W / cells;
-  s.cells_x = 4;
-  s.gravity = {1, 0};
-  s.materials = {well_posed_grains()};
-  s.materials[0].diameter = d;
-  s.fill = {fill_box(0, 0, s.width, 0, W)};
-  s.walls = {Wall::periodic, Wall::periodic, Wall::no_slip, Wall::free_slip};
+  Scene s = granular_channel(W, cells, {1, 0}, d, Wall::free_slip);
   s.nonlocal = Nonlocal{.A = A, .closure = closure, .walls = walls};
-  s.rheology.eta_min = 1e-6;
   s.rheology.eta_max = 1e7;
-  s.rheology.smoothing_length = 0;
   s.rheology.background_pressure = 1;
-  s.time.dt_max = 1e30;
   s.accuracy.viscous_tolerance = 1e-8;
-  s.accuracy.pressure_tolerance = 1e-9;
   s.accuracy.fluidity_tolerance = 1e-9;
-  s.accuracy.precision = Precision::full;
-  s.threads = 1;
   return s;
 }
 
@@ -95,11 +81,9 @@ Errors channel_errors(Closure closure, FluidityWall walls, const std::vector<int
   for (int n : grids) {
     Simulation simulation(half_channel(n, closure, walls));
     Fields& f = simulation.fields();
-    for (int j = 0; j < n; ++j) {
-      const double y = f.patch().y_centre(j);
-      for (int i = 0; i < f.u.nx(); ++i) f.u(i, j) = Reference::at(exact.u, y);
-      for (int i = 0; i < 4; ++i) f.fluidity(i, j) = Reference::at(exact.g, y);
-    }
+    start(f, [&](double y) { return Reference::at(exact.u, y); });
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < 4; ++i) f.fluidity(i, j) = Reference::at(exact.g, f.patch().y_centre(j));
     while (simulation.t() < 20) simulation.step(20);
     double u = 0, g = 0;
     for (int j = 0; j < n; ++j) {

@@ -1,10 +1,11 @@
 // Scenes that are images of each other have flows that are images of each other; threads change nothing.
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <cstring>
 
+#include "tests/support/asymmetry.hpp"
 #include "tests/support/figures.hpp"
 #include "tests/support/make_scene.hpp"
+#include "tests/support/same_bits.hpp"
 
 using namespace hourglass;
 
@@ -16,27 +17,6 @@ void run(Simulation& simulation, int steps) {
     REQUIRE(report.viscous.converged);
     REQUIRE(report.pressure.converged);
   }
-}
-
-/// L1 distance of v to the mirror image of `other`, over the L1 norm of v: inside the phase of cells with at least this
-/// share of grains.
-double asymmetry(const Fields& f, const Fields& other, double grains = 0.999) {
-  const int nx = f.p.nx(), ny = f.p.ny();
-  double difference = 0, size = 0;
-  for (int j = 1; j < ny; ++j)
-    for (int i = 0; i < nx; ++i) {
-      if (std::min(f.grains(i, j), f.grains(i, j - 1)) < grains) continue;
-      difference += std::abs(f.v(i, j) - other.v(nx - 1 - i, j));
-      size += std::abs(f.v(i, j));
-    }
-  return difference / size;
-}
-
-template <class F>
-bool same_bits(const F& a, const F& b) {
-  for (int j = 0; j < a.ny(); ++j)
-    if (std::memcmp(a.row(j), b.row(j), sizeof(typename F::value_type) * a.nx()) != 0) return false;
-  return true;
 }
 
 /// All air: one fluid falls through orifices. No free surface, whose directional sweeps know x from y.

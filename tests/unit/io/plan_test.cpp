@@ -57,7 +57,7 @@ TEST_CASE("plan: a plain scene switches on no more than smoothing") {
        {"physics.rheology.law", "physics.rheology.cap", "physics.nonlocal", "physics.dilatancy",
         "physics.wall_friction", "cohesion", "tracers", "accuracy.splitting", "accuracy.precision"})
     CHECK(off(scene, key));
-  CHECK(contains(text_of(s), "Off, neither stored nor paid for: physics.rheology.law"));
+  CHECK(contains(text_of(s), "Off, neither stored nor paid for: domain.symmetry"));
 }
 
 TEST_CASE("plan: each switch is named with its key, and is either on or off") {
@@ -82,6 +82,29 @@ TEST_CASE("plan: each switch is named with its key, and is either on or off") {
   CHECK(contains(on(scene, "accuracy.precision"), "full"));
   for (const Switch& s : switches_of(scene).on) CHECK_FALSE(off(scene, s.key));
   CHECK_FALSE(off(scene, "cohesion"));
+}
+
+TEST_CASE("plan: what shapes the domain is named with its key, and its geometry among the arrays") {
+  Scene scene = small_silo();
+  const auto keys = {"domain.symmetry", "domain.coordinates", "air.model", "inserts", "hopper", "feed"};
+  for (const char* key : keys) CHECK(off(scene, key));
+  CHECK_FALSE(contains(memory_text(Simulation(scene)), "geometry"));
+  scene.inserts = {{.shape = Shape::circle, .centre = {15, 18}, .width = 6, .height = 6, .points = {}}};
+  const Simulation simulation(scene);
+  for (const ArrayGroup& g : arrays_of(simulation)) CHECK_FALSE(g.arrays.empty());
+  CHECK(contains(memory_text(simulation), "  geometry  "));
+  scene.symmetry = Symmetry::mirror;
+  scene.coordinates = Coordinates::axisymmetric;
+  scene.air.model = AirModel::none;
+  scene.hopper = Hopper{.half_angle = 40};
+  scene.feed = Feed{0, 26};
+  CHECK(contains(on(scene, "domain.symmetry"), "mirror"));
+  CHECK(contains(on(scene, "domain.coordinates"), "axisymmetric"));
+  CHECK(contains(on(scene, "air.model"), "none"));
+  CHECK(contains(on(scene, "inserts"), "1, by cut_cells"));
+  CHECK(contains(on(scene, "hopper"), "40 degrees"));
+  CHECK(contains(on(scene, "feed"), "sand replace air below y = 26"));
+  for (const char* key : keys) CHECK_FALSE(off(scene, key));
 }
 
 TEST_CASE("plan: a material is an inert tracer or differs in named properties") {

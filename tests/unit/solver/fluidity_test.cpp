@@ -231,8 +231,7 @@ TEST_CASE("closure thesis at its fixed point below yield: algebraic decay, secon
 TEST_CASE("closure thesis, uniform shear and no flux: g is that of mu(I)") {
   const Scene s = column(16, FluidityWall::no_flux);
   Bench<double> bench(s);
-  const Material& p = s.materials[0];
-  const Grain grain{p.mu_s, p.delta_mu, p.I_0, p.diameter, p.density, 0};
+  const Grain grain = grain_of(s.materials[0]);
   for (double rate : {1e-3, 1.0, 1e3}) {
     const double I = inertial_number(rate, 2, grain), mu = mu_of_I(I, grain);
     bench.solve(1, [&](int, int) { return Cell{rate, 2, I, mu}; });
@@ -289,7 +288,7 @@ TEST_CASE("closure kamrin, uniform flow above yield: g_local of the stress, and 
   Scene s = column(16, FluidityWall::no_flux, Closure::kamrin, 0.5);
   s.materials[0].diameter = d;
   const Material& p = s.materials[0];
-  const Grain grain{p.mu_s, p.delta_mu, p.I_0, d, p.density, 0};
+  const Grain grain = grain_of(p);
   const double mu_2 = p.mu_s + p.delta_mu;
   for (double m : {0.33, 0.4, 0.55}) {
     const double exact = p.I_0 * std::sqrt(pressure) / d * (m - p.mu_s) / (m * (mu_2 - m));

@@ -23,7 +23,6 @@ Material material(const Case& c) {
   m.I_0 = c.I_0;
   return m;
 }
-Grain grain(const Case& c) { return {c.mu_s, c.delta_mu, c.I_0, 1, 1, 0}; }
 
 }  // namespace
 
@@ -43,7 +42,7 @@ TEST_CASE("regularised friction: I_1 and A of Barker & Gray for three sets of gr
 TEST_CASE("regularised friction is continuous, rises, and goes to zero with I") {
   for (const Case& c : cases) {
     const RegularisedFriction law = *regularised_friction(material(c), Rheology{});
-    const Grain g = grain(c);
+    const Grain g = grain_of(material(c));
     const double jump = law.mu(law.I_1 * (1 + 1e-12), g) - law.mu(law.I_1 * (1 - 1e-12), g);
     CHECK(std::abs(jump) < 1e-10);
     double before = 0;
@@ -65,7 +64,7 @@ TEST_CASE("regularised friction is continuous, rises, and goes to zero with I") 
 TEST_CASE("regularised friction is well posed at every I up to 5, plain mu(I) is not at small ones") {
   for (const Case& c : cases) {
     const RegularisedFriction law = *regularised_friction(material(c), Rheology{});
-    const Grain g = grain(c);
+    const Grain g = grain_of(material(c));
     double worst = -1e300;
     for (double I = 1e-12; I < 5; I *= 1.07) {
       const double step = 1e-4;
