@@ -10,9 +10,7 @@ namespace {
 
 const Patch patch{10, 8, 0.5, -1, 2};  // x in [-1, 4], y in [2, 6]
 
-Polygon box(double x0, double x1, double y0, double y1) {
-  return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
-}
+Polygon box(double x0, double x1, double y0, double y1) { return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}; }
 Polygon circle(double x, double y, double radius, int corners) {
   Polygon p;
   const double step = 2 * M_PI / corners, r = radius * std::sqrt(step / std::sin(step));
