@@ -91,7 +91,7 @@ inline void fluidity_row_kamrin(const FluidityRow row, const GrainRows propertie
   }
 }
 
-/// a_f of row j of both components; boundary faces: 2 c where the wall holds g = 0 half a cell away, else 0.
+/// a_f of row j of both components; boundary faces: 2 c where a wall holds g = 0 half a cell away, else 0.
 /// in: share of grains, interior (wrapped where periodic).
 template <class T>
 void fluidity_faces_row(const CellField& grains, const Boundary& boundary, bool zero_at_walls, int j,
@@ -110,7 +110,7 @@ void fluidity_faces_row(const CellField& grains, const Boundary& boundary, bool 
     if (boundary.periodic_x) {
       out[0] = out[nx] = least(c[nx - 1], c[0]);
     } else {
-      out[0] = at_wall(c[0], boundary.left.open[j]);
+      out[0] = boundary.mirror_left ? T(0) : at_wall(c[0], boundary.left.open[j]);
       out[nx] = at_wall(c[nx - 1], boundary.right.open[j]);
     }
   }

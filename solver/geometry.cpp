@@ -13,18 +13,28 @@ namespace {
 /// Cells and faces with less are closed: they would carry nothing, and divide by next to nothing.
 constexpr double least_volume = 1e-2, least_aperture = 1e-3;
 
-/// Shares on the grid of half the cell side, from which those of any control volume follow.
+/// Shares on the grid of half the cell side, from which those of any control volume follow; beyond a mirror plane or the
+/// ends of a periodic domain as well.
 struct Halves {
+  Ends ends;
   CellField volume;
   Velocity faces;
-  Halves(const std::vector<Polygon>& solids, const Patch& patch)
-      : volume(open_volume(solids, patch)), faces(open_faces(solids, patch)) {}
-  /// Mean volume of half cells [i0, i1) x [j0, j1), of those in the patch.
+  Halves(const std::vector<Polygon>& solids, const Patch& patch, Ends beyond)
+      : ends(beyond), volume(open_volume(solids, patch)), faces(open_faces(solids, patch)) {}
+  int nx() const { return volume.nx(); }
+  int ny() const { return volume.ny(); }
+  /// Column of half cells or, `line`, of lines between them; where there is none, outside of [0, nx).
+  int column(int i, bool line = false) const {
+    if (ends.periodic) return (i + nx()) % nx();
+    return ends.mirror && i < 0 ? -i - !line : i;
+  }
+  /// Mean volume of half cells [i0, i1) x [j0, j1), of those that there are.
   double mean_volume(int i0, int i1, int j0, int j1) const {
     double sum = 0;
     int n = 0;
-    for (int j = std::max(j0, 0); j < std::min(j1, volume.ny()); ++j)
-      for (int i = std::max(i0, 0); i < std::min(i1, volume.nx()); ++i, ++n) sum += volume(i, j);
+    for (int j = std::max(j0, 0); j < std::min(j1, ny()); ++j)
+      for (int i = i0; i < i1; ++i)
+        if (const int k = column(i); k >= 0 && k < nx()) sum += volume(k, j), ++n;
     return n > 0 ? sum / n : 1;
   }
 };
@@ -65,7 +75,7 @@ class Builder {
     const Patch fine{2 * patch_.nx, 2 * patch_.ny, 0.5 * patch_.h, patch_.x0, patch_.y0};
     std::vector<Polygon> solids = solids_of(scene_);
     if (scene_.accuracy.solids == SolidModel::staircase) solids = staircase(solids);
-    const Halves halves(snapped(std::move(solids), fine), fine);
+    const Halves halves(snapped(std::move(solids), fine), fine, boundary_.ends());
     geometry_ = std::make_unique<Geometry>();
     open_cells_and_faces(halves);
     close_what_is_cut_off();
@@ -227,20 +237,26 @@ class Builder {
       }
   }
 
-  /// The wall in a box of two cells around (x, y), in half cells.
+  /// The wall in a box of two cells around (x, y), in half cells; where a side of the domain would cut the box, in the
+  /// nearest whole one.
   Plane wall_around(const Halves& halves, int x, int y) const {
-    const double volume = halves.mean_volume(x - 2, x + 2, y - 2, y + 2);
-    const auto mean_face = [&](bool vertical, int at, int from) {  // of four half faces
+    const bool left = halves.ends.periodic || halves.ends.mirror, right = halves.ends.periodic;
+    const int cx = std::clamp(x, left ? x : 2, right ? x : std::max(halves.nx() - 2, 2));
+    const int cy = std::clamp(y, 2, std::max(halves.ny() - 2, 2));
+    const auto upright = [&](int at) {  // mean of four half faces
       double sum = 0;
-      int n = 0;
-      const int last = vertical ? halves.faces.u.ny() : halves.faces.v.nx();
-      const int line = std::clamp(at, 0, vertical ? halves.faces.u.nx() - 1 : halves.faces.v.ny() - 1);
-      for (int k = std::max(from, 0); k < std::min(from + 4, last); ++k, ++n)
-        sum += vertical ? halves.faces.u(line, k) : halves.faces.v(k, line);
-      return n > 0 ? sum / n : 1;
+      for (int k = cy - 2; k < cy + 2; ++k) sum += halves.faces.u(halves.column(at, true), k);
+      return 0.25 * sum;
     };
-    return plane_of(2, mean_face(true, x - 2, y - 2), mean_face(true, x + 2, y - 2),
-                    mean_face(false, y - 2, x - 2), mean_face(false, y + 2, x - 2), volume);
+    const auto level = [&](int at) {
+      double sum = 0;
+      for (int k = cx - 2; k < cx + 2; ++k) sum += halves.faces.v(halves.column(k), at);
+      return 0.25 * sum;
+    };
+    Plane wall = plane_of(2, upright(cx - 2), upright(cx + 2), level(cy - 2), level(cy + 2),
+                          halves.mean_volume(cx - 2, cx + 2, cy - 2, cy + 2));
+    wall.offset += 0.5 * (wall.nx * (x - cx) + wall.ny * (y - cy));
+    return wall;
   }
 
   /// The same, or the nearest wall that a box one cell aside sees.
@@ -250,9 +266,17 @@ class Builder {
     for (const auto [dx, dy] : {std::array{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
       Plane aside = wall_around(halves, x + 2 * dx, y + 2 * dy);
       aside.offset -= aside.nx * dx + aside.ny * dy;
-      if (!aside.none() && (best.none() || aside.offset < best.offset)) best = aside;
+      if (!aside.none() && (best.none() || aside.offset < best.offset - 1e-9)) best = aside;
     }
     return best;
+  }
+
+  /// Whether solids close a face, whatever the side of the domain does.
+  static bool closed_u(const Halves& halves, int i, int j) {
+    return halves.faces.u(2 * i, 2 * j) + halves.faces.u(2 * i, 2 * j + 1) < 2 * least_aperture;
+  }
+  static bool closed_v(const Halves& halves, int i, int j) {
+    return halves.faces.v(2 * i, 2 * j) + halves.faces.v(2 * i + 1, 2 * j) < 2 * least_aperture;
   }
 
   template <At face>
@@ -262,19 +286,26 @@ class Builder {
     const int x = is_u ? 2 * i : 2 * i + 1, y = is_u ? 2 * j + 1 : 2 * j;
     const Plane wall = wall_near(halves, x, y);
     if (wall.none()) return 0;
-    // u = t d on u-faces and v-faces around, d their mean distance; t is along the wall.
+    // u = t d on u-faces and v-faces around, d their mean distance; t is along the wall. It goes on beyond the sides of the
+    // domain, which have shear weights of their own.
     const double tx = -wall.ny, ty = wall.nx;
+    const int nx = patch_.nx, ny = patch_.ny;
+    const auto column = [&](int k) {
+      return boundary_.periodic_x ? (k + nx) % nx : std::clamp(k, 0, nx - 1);
+    };
     const auto u = [&](int k, int l) {
-      if (k < 0 || k > patch_.nx || l < 0 || l >= patch_.ny || g.aperture.u(k, l) == 0) return 0.0;
+      const int c = boundary_.periodic_x ? (k + nx) % nx : k;
+      if (c >= 0 && c <= nx && l >= 0 && l < ny &&
+          (c % nx == 0 ? closed_u(halves, c, l) : g.aperture.u(c, l) == 0))
+        return 0.0;
       return tx * mean_distance(wall.distance(k - 0.5 * x, l + 0.5 - 0.5 * y), wall.ny);
     };
     const auto v = [&](int k, int l) {
-      if (l < 0 || l > patch_.ny || k < 0 || k >= patch_.nx || g.aperture.v(k, l) == 0) return 0.0;
+      const int c = column(k);
+      if (l >= 0 && l <= ny && (l % ny == 0 ? closed_v(halves, c, l) : g.aperture.v(c, l) == 0)) return 0.0;
       return ty * mean_distance(wall.distance(k + 0.5 - 0.5 * x, l - 0.5 * y), wall.nx);
     };
-    const auto cell = [&](int k, int l) {
-      return k < 0 || k >= patch_.nx || l < 0 || l >= patch_.ny ? 0.0 : g.volume(k, l);
-    };
+    const auto cell = [&](int k, int l) { return g.volume(column(k), std::clamp(l, 0, ny - 1)); };
     double force = 0, speed = 0;
     if constexpr (is_u) {
       speed = u(i, j);
@@ -289,7 +320,8 @@ class Builder {
     }
     constexpr double most = 100;  // a face within a hundredth of a cell of the wall hardly moves
     if (std::abs(speed) < 1e-9) return 0;
-    return std::clamp(-force / speed, 0.0, most);
+    const bool at_side = is_u ? !boundary_.periodic_x && (i == 0 || i == nx) : j == 0 || j == ny;
+    return (at_side ? 0.5 : 1) * std::clamp(-force / speed, 0.0, most);  // a side halves the control volume
   }
 
   /// Closed faces beside open ones.
@@ -299,13 +331,15 @@ class Builder {
     constexpr bool is_u = face == At::xface;
     const auto x = [](int i) { return is_u ? 2 * i : 2 * i + 1; };
     const auto y = [](int j) { return is_u ? 2 * j + 1 : 2 * j; };
+    const bool periodic = boundary_.periodic_x;
     for (int j = 0; j < aperture.ny(); ++j)
       for (int i = 0; i < aperture.nx(); ++i) {
-        const bool at_side = is_u ? i == 0 || i + 1 == aperture.nx() : j == 0 || j + 1 == aperture.ny();
+        const bool at_side =
+            is_u ? i + 1 == aperture.nx() || (i == 0 && !periodic) : j == 0 || j + 1 == aperture.ny();
         if (aperture(i, j) > 0 || at_side) continue;
         Geometry::GhostFace ghost{i, j, {}};
         for (const auto [di, dj] : {std::array{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
-          const int k = i + di, l = j + dj;
+          const int k = periodic ? (i + di + patch_.nx) % patch_.nx : i + di, l = j + dj;
           if (k < 0 || k >= aperture.nx() || l < 0 || l >= aperture.ny() || aperture(k, l) == 0) continue;
           const Plane wall = wall_around(halves, x(k), y(l));
           const double own = mean_distance(wall.offset, is_u ? wall.ny : wall.nx);
@@ -385,7 +419,9 @@ class Builder {
         Geometry::Ghost ghost{i, j, {}};
         for (int b = -1; b <= 1; ++b)
           for (int c = -1; c <= 1; ++c) {
-            const int ci = boundary_.periodic_x ? (i + c + patch_.nx) % patch_.nx : i + c, cj = j + b;
+            const int cj = j + b, ci = boundary_.periodic_x                 ? (i + c + patch_.nx) % patch_.nx
+                                       : boundary_.mirror_left && i + c < 0 ? 0
+                                                                            : i + c;
             if (ci >= 0 && ci < patch_.nx && cj >= 0 && cj < patch_.ny && g.volume(ci, cj) > 0)
               ghost.beside.push_back({ci, cj});
           }
