@@ -113,9 +113,9 @@ void gather(int i, int j, Value&& value, Block& block) {
       block[1 + a][1 + b] = face == At::xface ? value(i + a, j + b) : value(i + b, j + a);
 }
 
-// in: grains, tracers [1], halo filled; velocity [L/T]; dt_h = dt / h; rows of faces. out: flux[0] of the
-// grains, flux[k] of tracer k - 1 [cell areas, positive to + axis], all faces. Through a boundary that is not
-// periodic only air comes in. 24 B/face, and 16 for each tracer.
+// in: grains, tracers [1], halo filled; velocity [L/T], times what is open of faces; dt_h = dt / h; rows of faces;
+// volume of cells, or none where all are whole. out: flux[0] of the grains, flux[k] of tracer k - 1 [cell areas,
+// positive to + axis], all faces. Through a boundary that is not periodic only air comes in. 24 B/face, and 16 for each tracer.
 template <At face>
 void vof_fluxes(const CellField& grains, std::span<const CellField> tracers, const Field<face>& velocity,
                 double dt_h, bool periodic, Rows rows, std::span<Field<face>> flux,
