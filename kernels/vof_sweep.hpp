@@ -113,12 +113,13 @@ void gather(int i, int j, Value&& value, Block& block) {
       block[1 + a][1 + b] = face == At::xface ? value(i + a, j + b) : value(i + b, j + a);
 }
 
-// in: grains, tracers [1], halo filled; velocity [L/T]; dt_h = dt / h; rows of faces. out: flux[0] of the
-// grains, flux[k] of tracer k - 1 [cell areas, positive to + axis], all faces. Through a boundary that is not
-// periodic only air comes in. 24 B/face, and 16 for each tracer.
+// in: grains, tracers [1], halo filled; velocity [L/T], times what is open of faces; dt_h = dt / h; rows of faces;
+// volume of cells, or none where all are whole. out: flux[0] of the grains, flux[k] of tracer k - 1 [cell areas,
+// positive to + axis], all faces. Through a boundary that is not periodic only air comes in. 24 B/face, and 16 for each tracer.
 template <At face>
 void vof_fluxes(const CellField& grains, std::span<const CellField> tracers, const Field<face>& velocity,
-                double dt_h, bool periodic, Rows rows, std::span<Field<face>> flux) {
+                double dt_h, bool periodic, Rows rows, std::span<Field<face>> flux,
+                const CellField* volume = nullptr) {
   const int n = velocity.nx();
   const bool wraps = face == At::xface && periodic;
   for (int j = rows.begin; j < rows.end; ++j) {
@@ -128,6 +129,10 @@ void vof_fluxes(const CellField& grains, std::span<const CellField> tracers, con
     const auto inflow = [&](int i) {  // through the boundary
       if (face == At::yface) return (j == 0 && u[i] > 0) || (j == velocity.ny() - 1 && u[i] < 0);
       return !wraps && ((i == 0 && u[i] > 0) || (i == n - 1 && u[i] < 0));
+    };
+    // What leaves a cell is taken from as much of it as the flux is of its volume, from all of a small one.
+    const auto size = [&](int i) {
+      return volume ? std::max((*volume)(donor_i(i), donor_j(i)), std::abs(u[i]) * dt_h) : 1.0;
     };
     for (int first = 0; first < n; first += vof_block) {
       const int last = std::min(first + vof_block, n);
@@ -147,7 +152,7 @@ void vof_fluxes(const CellField& grains, std::span<const CellField> tracers, con
         if (room[i - first] <= 0 || room[i - first] >= 1 || u[i] == 0) continue;
         Block block;
         gather<face>(donor_i(i), donor_j(i), grains, block);
-        F[i] = std::copysign(area_leaving(block, u[i] * dt_h), u[i]);
+        F[i] = std::copysign(size(i) * area_leaving(block, u[i] * dt_h / size(i)), u[i]);
       }
       const bool at_side = face == At::xface ? first == 0 || last == n : j == 0 || j == velocity.ny() - 1;
       for (int i = first; at_side && i < last; ++i)
@@ -176,9 +181,10 @@ void vof_fluxes(const CellField& grains, std::span<const CellField> tracers, con
           };
           Block block;
           gather<face>(donor_i(i), donor_j(i), share_of_room, block);
-          const double shift = u[i] * dt_h, through = std::abs(room_flux[i - first]);
+          const double shift = u[i] * dt_h / size(i), through = std::abs(room_flux[i - first]);
           const double carried = through * (area_leaving(block, shift) / std::abs(shift));
-          const double least = std::max(0.0, through - others), most = std::min(through, here);
+          const double least = std::max(0.0, through - size(i) * others),
+                       most = std::min(through, size(i) * here);
           G[i] = std::copysign(std::clamp(carried, least, most), u[i]);
         }
         for (int i = first; i < last; ++i) {

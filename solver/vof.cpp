@@ -39,7 +39,7 @@ template <At face>
 void Vof::sweep(Team& team, Fields& fields, const Field<face>& velocity, double dt_h,
                 std::span<Field<face>> flux) {
   vof_fluxes<face>(fields.grains, fields.tracers, velocity, dt_h, ends_.periodic, team.rows(velocity.ny()),
-                   flux);
+                   flux, geometry_ ? &geometry_->volume : nullptr);
   team.sync();
   const Rows rows = team.rows(fields.patch().ny);
   if (geometry_) {
