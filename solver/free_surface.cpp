@@ -31,12 +31,18 @@ void FreeSurface::update(Team& team, const CellField& grains, const CellField& d
   if (team.leads()) fill_cell_halo(boundary_, density_);
   team.sync();
   const auto across = [&](int i) { return boundary_.periodic_x ? (i + nx) % nx : i; };
+  const auto beside_liquid = [&](int i, int j) {
+    return (i > 0 && is_liquid(i - 1, j)) || (i + 1 < nx && is_liquid(i + 1, j)) ||
+           (j > 0 && is_liquid(i, j - 1)) || (j + 1 < ny && is_liquid(i, j + 1));
+  };
   const auto set = [&](double& beta, char& kind, double open, int i1, int j1, int i2, int j2) {
     const auto inside = [&](int i, int j) { return i >= 0 && i < nx && j >= 0 && j < ny; };
     const bool both = inside(i1, j1) && inside(i2, j2);
     const double c1 = inside(i1, j1) ? grains(i1, j1) : 0, c2 = inside(i2, j2) ? grains(i2, j2) : 0;
     const bool l1 = inside(i1, j1) && is_liquid(i1, j1), l2 = inside(i2, j2) && is_liquid(i2, j2);
-    kind = open <= 0 ? closed : c1 + c2 > least_grains ? grains_beside : air_beside;
+    const bool falls =
+        c1 + c2 > least_grains && !(c1 > 0 && beside_liquid(i1, j1)) && !(c2 > 0 && beside_liquid(i2, j2));
+    kind = open <= 0 ? closed : l1 || l2 || falls ? grains_beside : air_beside;
     beta = kind == grains_beside && !l1 && !l2 ? free_fall : 0;
     if (!both || l1 == l2 || open <= 0) return;  // at a boundary the projection knows what to do
     const double theta = std::clamp(c1 + c2 - 0.5, 0.1, 1.5);

@@ -2,8 +2,8 @@
 // The surface of the grains at p = 0, in place of air (`air: {model: none}`). Cells at least half full are liquid, and only
 // they have a pressure. A face between a liquid cell and another lies at the distance theta h from the surface, theta from
 // the shares of both cells, and has beta = 1/(rho theta) towards p = 0 (a ghost fluid: Gibou, Fedkiw, Cheng & Kang 2002,
-// JCP 176:205). Faces between others fall freely while there are grains beside them; elsewhere nothing is solved, and the
-// velocity continues that of the faces beside.
+// JCP 176:205). Faces of grains apart from all liquid fall freely; elsewhere nothing is solved, and the velocity continues
+// that of the faces beside.
 #include <vector>
 
 #include "kernels/boundary.hpp"
@@ -31,7 +31,7 @@ class FreeSurface {
   const CellField& absorption() const { return absorption_; }
   /// 1 in liquid cells, else 0.
   const CellField& liquid() const { return liquid_; }
-  /// What is beside a face; a closed one stays closed.
+  /// What is beside a face: liquid or falling grains, or neither; a closed one stays closed.
   enum Kind : char { closed, air_beside, grains_beside };
   /// Whether row k of the faces (row_of) moves at face i: grains on either side.
   bool moves(int k, int i) const { return row_of(kind_, k).data[i] == grains_beside; }

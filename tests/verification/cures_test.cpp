@@ -53,7 +53,7 @@ Outcome outcome(Scene scene) {
 
 }  // namespace
 
-TEST_CASE("cures of ill-posedness, measured", "[.cures]") {
+TEST_CASE("cures of ill-posedness, measured", "[.cures][slow]") {
   struct Cure {
     const char* name;
     std::function<void(Scene&)> apply;
