@@ -285,7 +285,7 @@ Case smoothing(int n) {
          [s](Team& team) {
            const Rows rows = team.rows(s->gamma2.ny());
            for (int j = rows.begin; j < rows.end; ++j)
-             smooth_row(s->gamma2.row(j), s->gamma2.nx(), pass, false, s->spare.row(j));
+             smooth_row(s->gamma2.row(j), s->gamma2.nx(), pass, {}, s->spare.row(j));
            team.sync();
            for (int j = rows.begin; j < rows.end; ++j) smooth_column_row(s->spare, pass, j, s->eta.row(j));
          },
