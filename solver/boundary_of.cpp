@@ -30,6 +30,21 @@ std::vector<OpenFace> shares_of(const Orifice& o, const Boundary& boundary, cons
   return faces;
 }
 
+std::vector<WayOut> ways_out_of(const Scene& scene, const Boundary& boundary) {
+  const Patch patch = scene.patch();
+  std::vector<WayOut> ways;
+  for (std::size_t o = 0; o < scene.orifices.size(); ++o)
+    ways.push_back(
+        {scene.orifices[o].wall, static_cast<int>(o), shares_of(scene.orifices[o], boundary, patch)});
+  for (const Side side : {Side::left, Side::right, Side::bottom, Side::top}) {
+    if (scene.wall(side) != Wall::open) continue;
+    ways.push_back({side, -1, {}});
+    for (int f = 0; f < (side == Side::left || side == Side::right ? patch.ny : patch.nx); ++f)
+      ways.back().faces.push_back({f, 1});
+  }
+  return ways;
+}
+
 static SideFaces side_of(const Scene& scene, const Patch& patch, Side side) {
   const int n = side == Side::left || side == Side::right ? patch.ny : patch.nx;
   const bool slips = side == Side::left && scene.left_is_middle();

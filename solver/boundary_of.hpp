@@ -21,4 +21,12 @@ std::vector<OpenFace> faces_of(const Orifice& orifice, const Patch& patch);
 /// The same in shares of what all orifices together open of the face.
 std::vector<OpenFace> shares_of(const Orifice& orifice, const Boundary& boundary, const Patch& patch);
 
+/// A way out: an orifice, or a side that is open.
+struct WayOut {
+  Side side;
+  int orifice;                  ///< index into Scene::orifices; -1: the side
+  std::vector<OpenFace> faces;  ///< in shares of what is open
+};
+std::vector<WayOut> ways_out_of(const Scene& scene, const Boundary& boundary);
+
 }  // namespace hourglass

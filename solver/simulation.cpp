@@ -75,6 +75,7 @@ void Simulation::Impl::fit_height() {
   solved.height = needed * now.h;
   boundary = boundary_of(solved);
   geometry = geometry_of(solved, boundary);
+  ways_out = ways_out_of(solved, boundary);
   const Fields before = std::move(fields);
   fields = Fields(solved.patch(), static_cast<int>(scene.materials.size()), scene.nonlocal.has_value(),
                   scene.dilatancy.has_value());
@@ -121,20 +122,8 @@ void Simulation::Impl::feed() {
 
 /// Adds what left in the last step to the accounts.
 void Simulation::Impl::account() {
-  const Patch patch = solved.patch();
   const auto each_way_out = [&](const PhaseFlux& flux, int k, auto&& leave) {
-    for (std::size_t o = 0; o < scene.orifices.size(); ++o) {
-      const Orifice& orifice = scene.orifices[o];
-      leave(static_cast<int>(o),
-            mass_through(solved, flux, orifice.wall, shares_of(orifice, boundary, patch), k));
-    }
-    for (int s = 0; s < 4; ++s) {
-      const Side side = static_cast<Side>(s);
-      std::vector<OpenFace> all;
-      for (int f = 0; f < (side == Side::left || side == Side::right ? patch.ny : patch.nx); ++f)
-        all.push_back({f, 1});
-      if (scene.walls[s] == Wall::open) leave(-1, mass_through(solved, flux, side, all, k));
-    }
+    for (const WayOut& o : ways_out) leave(o.orifice, mass_through(solved, flux, o.side, o.faces, k));
   };
   for (int k = 0; k < static_cast<int>(scene.materials.size()); ++k) {
     each_way_out(stepper->mass_flux(), k, [&](int orifice, double lost) {

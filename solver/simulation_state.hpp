@@ -19,8 +19,9 @@ int threads_of(const Scene& scene);
 struct Simulation::Impl {
   explicit Impl(const Scene& s)
       : scene(s), solved(s), boundary(boundary_of(solved)), geometry(geometry_of(solved, boundary)),
-        threads(threads_of(scene)), fields(scene.patch(), static_cast<int>(scene.materials.size()),
-                                           scene.nonlocal.has_value(), scene.dilatancy.has_value()),
+        ways_out(ways_out_of(solved, boundary)), threads(threads_of(scene)),
+        fields(scene.patch(), static_cast<int>(scene.materials.size()), scene.nonlocal.has_value(),
+               scene.dilatancy.has_value()),
         stepper(make_stepper(solved, boundary, geometry.get(), threads)),
         governor(threads), rows{RowSums(fields.p.ny()), RowSums(fields.p.ny())},
         orifice_mass(scene.orifices.size()), orifice_material(scene.materials.size()) {}
@@ -29,6 +30,7 @@ struct Simulation::Impl {
   Scene solved;  // the same, but for its height where rows above the grains are left out
   Boundary boundary;
   std::unique_ptr<Geometry> geometry;  // nullptr: whole cells
+  std::vector<WayOut> ways_out;
   int threads;
   Fields fields;
   std::unique_ptr<Stepper> stepper;
