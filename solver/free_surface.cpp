@@ -40,11 +40,16 @@ void FreeSurface::update(Team& team, const CellField& grains, const CellField& d
     const bool both = inside(i1, j1) && inside(i2, j2);
     const double c1 = inside(i1, j1) ? grains(i1, j1) : 0, c2 = inside(i2, j2) ? grains(i2, j2) : 0;
     const bool l1 = inside(i1, j1) && is_liquid(i1, j1), l2 = inside(i2, j2) && is_liquid(i2, j2);
-    const bool falls =
-        c1 + c2 > least_grains && !(c1 > 0 && beside_liquid(i1, j1)) && !(c2 > 0 && beside_liquid(i2, j2));
-    kind = open <= 0 ? closed : l1 || l2 || falls ? grains_beside : air_beside;
-    beta = kind == grains_beside && !l1 && !l2 ? free_fall : 0;
-    if (!both || l1 == l2 || open <= 0) return;  // at a boundary the projection knows what to do
+    if (open <= 0 || (l1 && l2)) {
+      kind = open <= 0 ? closed : grains_beside;
+      beta = 0;
+      return;
+    }
+    const bool falls = !l1 && !l2 && c1 + c2 > least_grains && !(c1 > 0 && beside_liquid(i1, j1)) &&
+                       !(c2 > 0 && beside_liquid(i2, j2));
+    kind = l1 || l2 || falls ? grains_beside : air_beside;
+    beta = falls ? free_fall : 0;
+    if (!both || !(l1 || l2)) return;  // at a boundary the projection knows what to do
     const double theta = std::clamp(c1 + c2 - 0.5, 0.1, 1.5);
     beta = open / (theta * (l1 ? density_(i1, j1) : density_(i2, j2)));
   };

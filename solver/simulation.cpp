@@ -23,7 +23,8 @@ void Simulation::Impl::fill() {
   std::vector<Polygon> polygons;
   for (const Fill& f : scene.fill) polygons.emplace_back(f.points.begin(), f.points.end());
   const std::size_t fills = polygons.size();
-  for (Polygon& solid : solids_of(scene)) polygons.push_back(std::move(solid));
+  std::vector<Polygon> with_solids = polygons;
+  for (Polygon& solid : solids_of(scene)) with_solids.push_back(std::move(solid));
   std::vector<double> share(scene.materials.size());
   for (int j = 0; j < patch.ny; ++j)
     for (int i = 0; i < patch.nx; ++i) {
@@ -34,7 +35,8 @@ void Simulation::Impl::fill() {
         if (scene.fill[k].material < 0) continue;
         const Polygon part = part_in(polygons[k], patch.x_corner(i), patch.y_corner(j), patch.x_corner(i + 1),
                                      patch.y_corner(j + 1));
-        share[scene.fill[k].material] += visible_area(part, polygons, k + 1) / (patch.h * patch.h * open);
+        share[scene.fill[k].material] +=
+            visible_area(part, open < 1 ? with_solids : polygons, k + 1) / (patch.h * patch.h * open);
       }
       double grains = 0;
       for (double s : share) grains += s;
