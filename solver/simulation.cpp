@@ -15,6 +15,11 @@
 
 namespace hourglass {
 
+Fields fields_of(const Scene& scene) {
+  return Fields(scene.patch(), static_cast<int>(scene.materials.size()), scene.nonlocal.has_value(),
+                scene.dilatancy.has_value());
+}
+
 int threads_of(const Scene& scene) { return scene.threads > 0 ? scene.threads : omp_get_num_procs(); }
 
 /// Shares of a cell are the areas of the fills that no later fill hides, exactly.
@@ -45,10 +50,7 @@ void Simulation::Impl::fill() {
       for (std::size_t k = 0; k < fields.tracers.size(); ++k)
         fields.tracers[k](i, j) = std::clamp(share[k + 1] * rounding, 0.0, fields.grains(i, j));
     }
-  if (geometry) {
-    fill_solid(*geometry, fields.grains);
-    for (CellField& tracer : fields.tracers) fill_solid(*geometry, tracer);
-  }
+  if (geometry) fill_solid_shares(*geometry, fields);
   for (std::size_t k = 0; k < fields.solid.size(); ++k)  // at rest: phi_max
     fields.solid[k] = k == 0 ? fields.grains : fields.tracers[k - 1];
   fill_cell_halo(boundary, fields.grains);
@@ -79,8 +81,7 @@ void Simulation::Impl::fit_height() {
   geometry = geometry_of(solved, boundary);
   ways_out = ways_out_of(solved, boundary);
   const Fields before = std::move(fields);
-  fields = Fields(solved.patch(), static_cast<int>(scene.materials.size()), scene.nonlocal.has_value(),
-                  scene.dilatancy.has_value());
+  fields = fields_of(solved);
   const auto take = [](const auto& from, auto& to) {
     for (int j = 0; j < std::min(from.ny(), to.ny()); ++j)
       std::copy(from.row(j), from.row(j) + from.nx(), to.row(j));
@@ -196,8 +197,7 @@ StepReport Simulation::step(double t_limit) {
   Impl& s = *impl_;
   s.fit_height();
   StepReport report;
-  if (s.geometry) fill_solid(*s.geometry, s.fields);
-  fill_velocity_halo(s.boundary, s.fields.u, s.fields.v);  // cheap, and callers may have set the velocity
+  s.stepper->fill_halo(s.fields);  // cheap, and callers may have set the velocity
   const auto start = Clock::now();
   s.threads = s.governor.next();
   s.stepper->set_threads(s.threads);
