@@ -156,6 +156,8 @@ Switches switches_of(const Scene& scene) {
     return fmt::format("{} x {} viscous solves and {} projections a step, rotational {}", split.outer,
                        split.picard, split.outer, split.rotational);
   });
+  add(scene.accuracy.vof == VofFlux::upwind, "accuracy.vof",
+      [] { return std::string("upwind: what leaves a cell is mixed; no interface is reconstructed"); });
   add(scene.accuracy.precision == Precision::full, "accuracy.precision",
       [] { return std::string("full: the preconditioner in double, twice its memory"); });
   add(scene.start_pressure == StartPressure::hydrostatic, "time.start_pressure",

@@ -158,6 +158,7 @@ void visit_scene(Visitor& v, Scene& s) {
       v.integer("max_iterations", s.accuracy.max_iterations);
       v.choice("precision", s.accuracy.precision, precision_names);
       v.choice("solids", s.accuracy.solids, solid_model_names);
+      v.choice("vof", s.accuracy.vof, vof_flux_names);
       v.map("splitting", [&] {
         v.integer("outer", s.accuracy.splitting.outer);
         v.integer("picard", s.accuracy.splitting.picard);

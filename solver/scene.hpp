@@ -55,6 +55,11 @@ inline constexpr std::array start_pressure_names{"zero", "hydrostatic"};
 enum class Precision { mixed, full };
 inline constexpr std::array precision_names{"mixed", "full"};
 
+/// What of a cell leaves through a face: what lies there, by the interface reconstructed in the cell (second order), or
+/// the share of each material in the whole cell (first order).
+enum class VofFlux { plic, upwind };
+inline constexpr std::array vof_flux_names{"plic", "upwind"};
+
 /// Solids in the flow; width and height are those of the bounding box, `centre` its middle.
 enum class Shape { square, rectangle, diamond, triangle_up, triangle_down, circle, polygon };
 inline constexpr std::array shape_names{"square",        "rectangle", "diamond", "triangle_up",
@@ -208,6 +213,7 @@ struct Accuracy {
   int max_iterations = 200;
   Precision precision = Precision::mixed;
   SolidModel solids = SolidModel::cut_cells;
+  VofFlux vof = VofFlux::plic;
   Splitting splitting{};
   bool operator==(const Accuracy&) const = default;
 };
