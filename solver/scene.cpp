@@ -324,6 +324,8 @@ void check_numerics(const Scene& s, Problems& p) {
             a.viscous_tolerance, "above 0, below 1", "1e-3 is balanced.");
   p.require(a.pressure_tolerance > 0 && a.pressure_tolerance < 1, "accuracy.pressure_tolerance",
             a.pressure_tolerance, "above 0, below 1", "3e-6 is balanced.");
+  p.require(a.cells_across_orifice >= 2 && a.cells_across_orifice <= 1024, "accuracy.cells_across_orifice",
+            a.cells_across_orifice, "2 to 1024", "16 is balanced.");
   p.require(a.max_iterations >= 1, "accuracy.max_iterations", a.max_iterations, ">= 1");
   p.require(s.threads >= 0 && s.threads <= 1024, "threads", s.threads, "0 to 1024", "0 takes all cores.");
 }
@@ -454,6 +456,25 @@ bool suits(const Scene& s, int cells_x) {
   const double cells_y = s.height / (s.width / cells_x);
   if (cells_x < 2 || cells_y < 2 || cells_y > 1e6 || !is_whole(cells_y)) return false;
   return coarsens(cells_x, static_cast<int>(std::lround(cells_y)));
+}
+
+DefaultCells default_cells(const Scene& s) {
+  DefaultCells chosen;
+  for (const Orifice& o : s.orifices)
+    if (o.width > 0) chosen.narrowest = chosen.narrowest > 0 ? std::min(chosen.narrowest, o.width) : o.width;
+  const int across = s.accuracy.cells_across_orifice;
+  const double least = chosen.narrowest > 0 ? across * s.width / chosen.narrowest : 8.0 * across;
+  if (!(least > 0 && s.height > 0)) return chosen;
+  chosen.fewer = least > most_default_cells;
+  const int from = chosen.fewer ? most_default_cells : static_cast<int>(std::ceil(least - 1e-9));
+  const int unit = 16, step = chosen.fewer ? -unit : unit;
+  for (int n = (from + unit - 1) / unit * unit; n >= unit && n <= most_default_cells; n += step)
+    if (suits(s, n)) {
+      chosen.cells_x = n;
+      return chosen;
+    }
+  chosen.cells_x = nearest_count(s, from, chosen.fewer ? -1 : +1);
+  return chosen;
 }
 
 std::string cells_for(const Scene& s, double size, double cells, const char* or_else) {

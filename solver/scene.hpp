@@ -214,6 +214,7 @@ struct Accuracy {
   Precision precision = Precision::mixed;
   SolidModel solids = SolidModel::cut_cells;
   VofFlux vof = VofFlux::plic;
+  int cells_across_orifice = 16;  ///< at least, where nobody says how many cells: default_cells()
   Splitting splitting{};
   bool operator==(const Accuracy&) const = default;
 };
@@ -285,6 +286,17 @@ std::optional<std::array<double, 2>> well_posed_range(const Material& material);
 
 /// The law mu_I_regularised of a material; nullopt where mu(I) is well posed nowhere: then it has no I_1 to hold on to.
 std::optional<RegularisedFriction> regularised_friction(const Material& material, const Rheology& rheology);
+
+/// The grid that accuracy.cells_across_orifice asks for: cells across the width.
+struct DefaultCells {
+  int cells_x = 0;       ///< 0: none near has a whole height and coarsens
+  bool fewer = false;    ///< than asked for: `most_default_cells`
+  double narrowest = 0;  ///< width of the narrowest orifice [L]; 0: there is none
+};
+inline constexpr int most_default_cells = 1024;
+/// Enough cells for the narrowest orifice, 8 times as many across the width where there is none; a multiple of 16, so
+/// that the multigrid coarsens well, where the height allows it.
+DefaultCells default_cells(const Scene& scene);
 
 /// A thing wrong with a scene: the dotted path of the key, what is wrong with allowed range and cure.
 struct Problem {
