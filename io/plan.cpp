@@ -156,6 +156,14 @@ Switches switches_of(const Scene& scene) {
     return fmt::format("{} x {} viscous solves and {} projections a step, rotational {}", split.outer,
                        split.picard, split.outer, split.rotational);
   });
+  add(scene.accuracy.extrapolate > 0 && !scene.orifices.empty(), "accuracy.extrapolate", [&] {
+    std::string grids;
+    for (int k = scene.accuracy.extrapolate; k > 0; --k) {
+      const Patch patch = coarser(scene, k).patch();
+      grids += fmt::format("{} x {}{}", patch.nx, patch.ny, k > 1 ? ", " : "");
+    }
+    return fmt::format("runs on {} cells too, before this one, and extrapolates the discharge", grids);
+  });
   add(scene.accuracy.vof == VofFlux::upwind, "accuracy.vof",
       [] { return std::string("upwind: what leaves a cell is mixed; no interface is reconstructed"); });
   add(scene.accuracy.precision == Precision::full, "accuracy.precision",

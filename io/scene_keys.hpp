@@ -20,7 +20,8 @@ inline constexpr std::array<Accuracy, 3> accuracy_presets{
     Accuracy{.viscous_tolerance = 1e-4,
              .pressure_tolerance = 1e-8,
              .fluidity_tolerance = 1e-3,
-             .cells_across_orifice = 32},
+             .cells_across_orifice = 32,
+             .extrapolate = 2},
 };
 
 /// Which keys place and size an insert depends on its shape.
@@ -169,6 +170,7 @@ void visit_scene(Visitor& v, Scene& s) {
       v.choice("solids", s.accuracy.solids, solid_model_names);
       v.choice("vof", s.accuracy.vof, vof_flux_names);
       v.integer("cells_across_orifice", s.accuracy.cells_across_orifice);
+      v.integer("extrapolate", s.accuracy.extrapolate);
       v.map("splitting", [&] {
         v.integer("outer", s.accuracy.splitting.outer);
         v.integer("picard", s.accuracy.splitting.picard);

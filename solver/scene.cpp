@@ -390,6 +390,43 @@ void check_modules(const Scene& s, Problems& p) {
   }
 }
 
+/// Call last: the coarser grids are looked at only where this one is sound.
+void check_extrapolation(const Scene& s, Problems& p) {
+  const int grids = s.accuracy.extrapolate;
+  const std::string path = "accuracy.extrapolate";
+  if (!p.require(grids >= 0 && grids <= 2, path, grids, "0 to 2", "0 extrapolates nothing.") || grids == 0)
+    return;
+  if (s.orifices.empty())
+    p.warn(path, "is not used: without an orifice there is no discharge to extrapolate.");
+  if (s.orifices.empty() || !p.is_sound("")) return;
+  double narrowest = s.orifices.front().width;
+  for (const Orifice& o : s.orifices) narrowest = std::min(narrowest, o.width);
+  for (int k = 1; k <= grids; ++k) {
+    const Scene coarse = coarser(s, k);
+    const double across = narrowest * coarse.cells_x / s.width;
+    std::string what;
+    if (coarse.cells_x << k != s.cells_x)
+      what = fmt::format("{} cells across cannot be halved.", s.cells_x >> (k - 1));
+    for (const Problem& problem : check(coarse))
+      if (problem.fatal && what.empty()) what = problem.path + ": " + problem.message;
+    if (what.empty() && across < 4 - edge_tolerance)
+      what = fmt::format("an orifice {:.3g} cells wide there tells nothing of its discharge (at least 4).",
+                         across);
+    if (!what.empty()) {
+      p.error(path,
+              fmt::format("{} needs the scene on {} cells across too: {} Use extrapolate {}, or more cells.",
+                          grids, coarse.cells_x, what, k - 1));
+      return;
+    }
+    if (k == grids && across < 8 - edge_tolerance)
+      p.warn(
+          path,
+          fmt::format("the coarsest of its grids has {:.3g} cells across the narrowest orifice; below 8 the "
+                      "discharge depends on more than the size of cells, and the error bar tells too little.",
+                      across));
+  }
+}
+
 /// Through an orifice, or over an open side that gravity does not keep them from.
 bool grains_can_leave(const Scene& s) {
   for (const Side side : {Side::left, Side::right, Side::bottom, Side::top})
@@ -458,6 +495,13 @@ bool suits(const Scene& s, int cells_x) {
   return coarsens(cells_x, static_cast<int>(std::lround(cells_y)));
 }
 
+Scene coarser(const Scene& scene, int halvings) {
+  Scene s = scene;
+  s.cells_x >>= halvings;
+  s.accuracy.extrapolate = 0;
+  return s;
+}
+
 DefaultCells default_cells(const Scene& s) {
   DefaultCells chosen;
   for (const Orifice& o : s.orifices)
@@ -508,6 +552,7 @@ std::vector<Problem> check(const Scene& scene) {
   check_numerics(scene, problems);
   check_modules(scene, problems);
   check_time(scene, problems);
+  check_extrapolation(scene, problems);
   return problems.list;
 }
 

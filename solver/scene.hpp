@@ -215,6 +215,9 @@ struct Accuracy {
   SolidModel solids = SolidModel::cut_cells;
   VofFlux vof = VofFlux::plic;
   int cells_across_orifice = 16;  ///< at least, where nobody says how many cells: default_cells()
+  /// On so many coarser grids, each of half the cells across, the scene is run too and its figures of merit are
+  /// extrapolated (studies/extrapolation). 0 to 2.
+  int extrapolate = 0;
   Splitting splitting{};
   bool operator==(const Accuracy&) const = default;
 };
@@ -297,6 +300,9 @@ inline constexpr int most_default_cells = 1024;
 /// Enough cells for the narrowest orifice, 8 times as many across the width where there is none; a multiple of 16, so
 /// that the multigrid coarsens well, where the height allows it.
 DefaultCells default_cells(const Scene& scene);
+
+/// The scene on a grid with half the cells across, `halvings` times; alone: it asks for no extrapolation.
+Scene coarser(const Scene& scene, int halvings);
 
 /// A thing wrong with a scene: the dotted path of the key, what is wrong with allowed range and cure.
 struct Problem {

@@ -31,10 +31,10 @@ class Problems {
     return false;
   }
 
-  /// Whether nothing at this path or below it is wrong so far.
+  /// Whether nothing at this path or below it is wrong so far; of the whole scene for none.
   bool is_sound(const std::string& path) const {
     return std::none_of(list.begin(), list.end(), [&](const Problem& p) {
-      return p.fatal && (p.path == path || p.path.starts_with(path + "."));
+      return p.fatal && (path.empty() || p.path == path || p.path.starts_with(path + "."));
     });
   }
 

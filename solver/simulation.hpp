@@ -1,5 +1,6 @@
 #pragma once
 // One scene from start to end: chooses dt, steps, diagnoses, tells observers, stops.
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -46,6 +47,19 @@ struct SeriesRow {
 enum class Status { finished, stopped, diverged, interrupted };
 const char* name_of(Status status);
 
+/// A figure of merit over time: [T], value.
+using History = std::vector<std::array<double, 2>>;
+
+/// What accuracy.extrapolate makes of the same scene on several grids; all figures over the same window of time.
+struct Extrapolation {
+  std::vector<long> cells;              ///< of each grid, the coarsest first
+  std::vector<double> discharge_rates;  ///< on each grid [M/T]
+  double order = 0;  ///< at which the discharge was extrapolated; 0: its grids agree on none
+  double discharge_rate = 0, error_bar = 0;                      ///< at vanishing cells, and of it [M/T]
+  double quasi_static_fraction = 0, quasi_static_error_bar = 0;  ///< the same [1]
+  double seconds = 0;                                            ///< that the coarser grids took
+};
+
 /// What summary.json holds of the physics; provenance is io's business.
 struct Summary {
   Status status = Status::finished;
@@ -62,6 +76,9 @@ struct Summary {
   double cell_steps_per_second = 0;
   int threads = 1;
   std::vector<std::pair<std::string, double>> stages;  ///< seconds by stage
+  std::optional<Extrapolation> extrapolation;
+  History mass_over_time;             ///< less what was fed, after each step [M]
+  History quasi_static_over_time;     ///< at each row of the series
   std::vector<std::string> warnings;  ///< guards that spoke, e.g. an open orifice that does not flow
 };
 

@@ -203,7 +203,8 @@ TEST_CASE("words of accuracy") {
   const Accuracy accurate{.viscous_tolerance = 1e-4,
                           .pressure_tolerance = 1e-8,
                           .fluidity_tolerance = 1e-3,
-                          .cells_across_orifice = 32};
+                          .cells_across_orifice = 32,
+                          .extrapolate = 2};
   CHECK(with("accurate") == accurate);
   CHECK(with("{precision: full}") == Accuracy{.precision = Precision::full});
   expect(11, "accuracy: fst",
@@ -319,14 +320,14 @@ TEST_CASE("without grid.cells_x accuracy decides, by the narrowest opening") {
   const std::string silo = sound_with(3, "");
   CHECK(cells(silo, {"accuracy=fast"}) == 64);
   CHECK(cells(silo) == 128);
-  CHECK(cells(silo, {"accuracy={preset: accurate}"}) == 256);
+  CHECK(cells(silo, {"accuracy={preset: accurate, extrapolate: 0}"}) == 256);
   CHECK(cells(silo, {"accuracy={cells_across_orifice: 10}"}) == 80);
   CHECK(cells(silo, {"orifices.0.width=10"}) == 240);
   CHECK(cells(silo, {"orifices.0.width=1"}) == 1024);  // the most
   CHECK(cells(silo, {"domain.height=140"}) == 240);    // 128 would be 119.5 cells high
   CHECK(cells(sound_with(3, "") + "inserts: []\n", {"orifices=[]", "accuracy=fast"}) == 64);
   CHECK(cells(silo, {"orifices=[]"}) == 128);
-  CHECK(cells(silo, {"orifices=[]", "accuracy={preset: accurate}"}) == 256);
+  CHECK(cells(silo, {"orifices=[]", "accuracy={preset: accurate, extrapolate: 0}"}) == 256);
   CHECK(cells(sound_with(3, "hopper: {half_angle: 30, outlet: 30}"), {"orifices=[]"}) == 80);
   const File named(sound_with(0, ""));
   CHECK(load_scene(named.path(), {"accuracy=fast"}).notes.empty());
