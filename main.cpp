@@ -17,6 +17,7 @@
 #include "io/render.hpp"
 #include "io/run_folder.hpp"
 #include "io/scene_yaml.hpp"
+#include "io/start.hpp"
 #include "solver/simulation.hpp"
 #include "studies/extrapolation.hpp"
 
@@ -92,6 +93,7 @@ int run(const Arguments& a) {
   warnings.insert(warnings.end(), loaded.notes.begin(), loaded.notes.end());
   SignalWatch watch;
   Simulation simulation(loaded.scene);  // before the folder: if memory is short nothing is written
+  begin(simulation);
   RunFolder folder(loaded.scene, to_yaml(loaded.scene), {a.out, a.force, a.quiet}, warnings);
   const Summary summary = run_with_extrapolation(simulation, folder, watch, a.quiet);
   folder.finish(summary);

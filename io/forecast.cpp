@@ -13,6 +13,7 @@
 #include "io/progress.hpp"
 #include "io/provenance.hpp"
 #include "io/render.hpp"
+#include "io/start.hpp"
 #include "solver/diagnostics.hpp"
 #include "solver/simulation.hpp"
 #include "solver/timers.hpp"
@@ -225,9 +226,11 @@ Forecast forecast(const Scene& scene) {
   small.threads = 1;  // which so small a grid does best on
   const Trial flow = [&] {
     Simulation simulation(small);  // let go before the next: it may be as large as the scene
+    begin(simulation);
     return try_out(simulation, flow_budget);
   }();
   Simulation timed_simulation(coarsened(scene, timed_cells));
+  begin(timed_simulation);
   const Trial timed = try_out(timed_simulation, timed_budget);
   f.steps = predict_steps(scene, flow);
   const double cells = static_cast<double>(scene.patch().cells());

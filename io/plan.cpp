@@ -103,6 +103,10 @@ Switches switches_of(const Scene& scene) {
     return fmt::format("grains of {} replace air below y = {:.6g}",
                        scene.materials[scene.feed->material].name, scene.feed->level);
   });
+  add(scene.start.has_value(), "start", [&] {
+    return fmt::format("begins with {} at t = {:.6g}; fill is not read", scene.start->run,
+                       scene.start->time.value_or(0));
+  });
   const Rheology& r = scene.rheology;
   const bool friction = r.law != Law::newtonian;  // without it what follows is not used
   add(r.law != Law::mu_I, "physics.rheology.law", [&] {

@@ -80,8 +80,14 @@ void visit_scene(Visitor& v, Scene& s) {
             v.number("phi_g", m.phi_g);
             v.number("F", m.F);
           });
+  v.module("start", s.start, [&](Start& start) {
+    v.text("run", start.run);
+    v.number("time", start.time);
+  });
   v.list("fill", s.fill,
-         "what the domain holds at the start, e.g. - {material: sand, box: {x: [0, 150], y: [0, 135]}}",
+         s.start
+             ? nullptr
+             : "what the domain holds at the start, e.g. - {material: sand, box: {x: [0, 150], y: [0, 135]}}",
          [&](Fill& f) {
            v.material("material", f.material, s.materials, "the name of a material, or air");
            v.shape(f.points);

@@ -10,6 +10,7 @@
 #include "io/scene_keys.hpp"
 #include "io/scene_reader.hpp"
 #include "io/scene_writer.hpp"
+#include "io/start.hpp"
 #include "io/yaml_tree.hpp"
 #include "solver/solids.hpp"
 
@@ -60,6 +61,17 @@ void apply_scales(Scene& s, const YamlNode& root, std::vector<SceneReader::Findi
     findings.push_back(
         {gravity ? gravity : &root, "gravity",
          fmt::format("is zero, so these have no default: {}. Give them.", fmt::join(without_scale, ", "))});
+}
+
+/// The stored run that the scene begins with: whether it can, and the time of its frame.
+void find_start(const YamlNode& root, Scene& scene, std::vector<SceneReader::Finding>& findings) {
+  if (!scene.start) return;
+  const YamlNode& node = *root.find("start");
+  try {
+    scene.start->time = start_time(scene);
+  } catch (const std::exception& error) {
+    findings.push_back({&node, "start", fmt::format("{}.", error.what())});
+  }
 }
 
 /// A grid for a file that names none.
@@ -185,6 +197,8 @@ Loaded load_scene(const std::filesystem::path& path, const std::vector<std::stri
   apply_scales(scene, root, reader.findings);
   const bool outlet_added = open_outlet(scene);
   choose_cells(root, loaded, reader.findings);
+
+  find_start(root, scene, reader.findings);
 
   struct Placed {
     int line;

@@ -199,7 +199,8 @@ DischargeWindow discharge(const Scene& scene, const History& mass) {
   DischargeWindow window;
   if (mass.size() < 2) return window;
   const double end = mass.back()[0], first_mass = mass.front()[1];
-  window.from = start_up_time(scene);
+  // A start from a stored run goes on from its time.
+  window.from = std::max(0.0, start_up_time(scene) - (scene.start ? scene.start->time.value_or(0) : 0));
   if (window.from > 0.5 * end) window.from = 0.5 * end;  // a short run: its second half
   for (const auto& [t, m] : mass)
     // An almost empty silo no longer discharges at its own rate.

@@ -286,7 +286,7 @@ void check_fill(const Scene& s, bool domain_sound, Problems& p) {
       outside = true;
     }
   }
-  if (s.fill.empty())
+  if (s.fill.empty() && !s.start)
     p.error("fill",
             "there is no fill (at least one with grains). Add e.g. - {material: sand, box: {x: [0, 150], "
             "y: [0, 135]}}.");
@@ -535,6 +535,7 @@ bool leaves_over(const Scene& s, Side side) {
 }
 
 int painted(const Scene& s, double x, double y) {
+  if (s.start) return 0;  // whatever the run holds there
   for (auto fill = s.fill.rbegin(); fill != s.fill.rend(); ++fill)
     if (contains(*fill, x, y)) return fill->material;
   return -1;

@@ -131,6 +131,13 @@ struct Feed {
   bool operator==(const Feed&) const = default;
 };
 
+/// Begin with a frame of a stored run of the same domain, on any grid, instead of the fills.
+struct Start {
+  std::string run;               ///< its folder
+  std::optional<double> time{};  ///< of the frame nearest to it [T]; nullopt: the last frame
+  bool operator==(const Start&) const = default;
+};
+
 struct Air {
   double density = 1e-3;      ///< [M/L^2] > 0
   double viscosity = 0.0164;  ///< eta [M/T] > 0
@@ -241,12 +248,13 @@ struct Scene {
   std::array<double, 2> gravity{0, -1};  ///< [L/T^2]
   Air air;
   std::vector<Material> materials{Material{}};
-  std::vector<Fill> fill;
+  std::vector<Fill> fill;  ///< not read with a start
   std::array<Wall, 4> walls{Wall::no_slip, Wall::no_slip, Wall::no_slip, Wall::open};  ///< by Side
   std::vector<Orifice> orifices;
   std::vector<Insert> inserts;
   std::optional<Hopper> hopper;
   std::optional<Feed> feed;
+  std::optional<Start> start;
   Rheology rheology;
   std::optional<Nonlocal> nonlocal;  ///< what is not named is not modelled, not stored, not paid for
   std::optional<Dilatancy> dilatancy;

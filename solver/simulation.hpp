@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "solver/fields.hpp"
+#include "solver/initial_state.hpp"
 #include "solver/scene.hpp"
 #include "solver/solve_stats.hpp"
 
@@ -108,6 +109,10 @@ class Simulation {
   /// `interrupted`, with its words as the reason.
   Summary run(const std::vector<Observer*>& observers = {});
 
+  /// Replaces what the fills put into the domain, before the first step. Grains and tracers keep their volumes where there
+  /// are no solids and no axis; the velocity is interpolated to faces and made free of divergence.
+  void begin_with(const InitialState& state);
+
   const Scene& scene() const;
   /// With air model none they end some rows above the grains.
   const Fields& fields() const;
@@ -142,6 +147,9 @@ struct FieldInfo {
   const char* module = nullptr;  ///< the block under physics: that makes it; nullptr: always there
 };
 const std::vector<FieldInfo>& known_fields();
+
+/// k of the field tracer_k, the share of material k in the grains; 0: it is no such field.
+std::size_t tracer_number(const std::string& field);
 
 /// Whether a scene has the block of this name under physics: ("nonlocal", "dilatancy", "wall_friction").
 bool has_module(const Scene& scene, const std::string& module);
