@@ -18,7 +18,9 @@
 #include "io/render.hpp"
 #include "io/run_folder.hpp"
 #include "io/scene_yaml.hpp"
+#include "io/start.hpp"
 #include "solver/simulation.hpp"
+#include "studies/extrapolation.hpp"
 #include "studies/trade.hpp"
 
 using namespace hourglass;
@@ -50,9 +52,10 @@ struct Arguments {
   bool resume = false, force = false, quiet = false, dry_run = false;
 };
 
-/// Prints what is wrong with the scene, or doubtful.
-void print(const std::vector<Diagnostic>& diagnostics) {
-  for (const Diagnostic& d : diagnostics) fmt::print(stderr, "{}\n", d.text());
+/// Prints what is wrong with the scene, or doubtful, and what was chosen for it.
+void print(const Loaded& loaded) {
+  for (const Diagnostic& d : loaded.diagnostics) fmt::print(stderr, "{}\n", d.text());
+  for (const std::string& note : loaded.notes) fmt::print(stderr, "{}\n", note);
 }
 
 Loaded load(const Arguments& a) {
@@ -61,21 +64,41 @@ Loaded load(const Arguments& a) {
   return load_scene(a.scene, sets);
 }
 
+/// The run, after those on coarser grids that the scene asks for.
+Summary run_with_extrapolation(Simulation& simulation, RunFolder& folder, SignalWatch& watch, bool quiet) {
+  const Scene& scene = simulation.scene();
+  if (scene.accuracy.extrapolate == 0 || scene.orifices.empty()) return simulation.run({&folder, &watch});
+  const CoarseRuns coarse = run_coarser(scene, quiet, watch);
+  Summary summary;
+  if (coarse.interrupted) {
+    summary.status = Status::interrupted;
+    summary.reason = watch.interrupt() + ", on a coarser grid (accuracy.extrapolate)";
+    return summary;
+  }
+  summary = simulation.run({&folder, &watch});
+  const std::size_t before = summary.warnings.size();
+  extrapolate(coarse, summary);
+  for (std::size_t k = before; k < summary.warnings.size(); ++k) folder.on_warning(summary.warnings[k]);
+  return summary;
+}
+
 int run(const Arguments& a) {
   if (a.resume) {
     fmt::print(stderr, "--resume: not in this version. Use --force to run again from the start.\n");
     return wrong_input;
   }
   const Loaded loaded = load(a);
-  print(loaded.diagnostics);
+  print(loaded);
   if (!loaded.ok()) return wrong_input;
 
   std::vector<std::string> warnings;
   for (const Diagnostic& d : loaded.diagnostics) warnings.push_back(d.text());
+  warnings.insert(warnings.end(), loaded.notes.begin(), loaded.notes.end());
   SignalWatch watch;
   Simulation simulation(loaded.scene);  // before the folder: if memory is short nothing is written
+  begin(simulation);
   RunFolder folder(loaded.scene, to_yaml(loaded.scene), {a.out, a.force, a.quiet}, warnings);
-  const Summary summary = simulation.run({&folder, &watch});
+  const Summary summary = run_with_extrapolation(simulation, folder, watch, a.quiet);
   folder.finish(summary);
 
   if (summary.status == Status::finished || summary.status == Status::stopped) return finished;
@@ -95,7 +118,7 @@ int render(Arguments a) {
 /// What a run of the scene would be. Writes nothing.
 int plan(const Arguments& a) {
   const Loaded loaded = load(a);
-  print(loaded.diagnostics);
+  print(loaded);
   if (!loaded.ok()) return wrong_input;
   const Scene& scene = loaded.scene;
   const Patch patch = scene.patch();
@@ -110,7 +133,7 @@ int plan(const Arguments& a) {
 
 int check(const Arguments& a) {
   const Loaded loaded = load(a);
-  print(loaded.diagnostics);
+  print(loaded);
   if (!loaded.ok()) return wrong_input;
   const Patch patch = loaded.scene.patch();
   fmt::print("{}: the scene is sound, {} x {} cells of side {:.6g}.\n", a.scene, patch.nx, patch.ny, patch.h);

@@ -38,6 +38,7 @@ std::vector<std::string> asked_fields(const Scene& scene) {
   std::vector<std::string> names;
   for (const std::string& name : scene.output.fields) {
     if (name == "tracer" && scene.materials.size() < 2) continue;
+    if (tracer_number(name) >= scene.materials.size()) continue;
     const char* module = field_info(name).module;
     if (module && !has_module(scene, module)) continue;
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);

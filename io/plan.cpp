@@ -103,6 +103,10 @@ Switches switches_of(const Scene& scene) {
     return fmt::format("grains of {} replace air below y = {:.6g}",
                        scene.materials[scene.feed->material].name, scene.feed->level);
   });
+  add(scene.start.has_value(), "start", [&] {
+    return fmt::format("begins with {} at t = {:.6g}; fill is not read", scene.start->run,
+                       scene.start->time.value_or(0));
+  });
   const Rheology& r = scene.rheology;
   const bool friction = r.law != Law::newtonian;  // without it what follows is not used
   add(r.law != Law::mu_I, "physics.rheology.law", [&] {
@@ -156,6 +160,16 @@ Switches switches_of(const Scene& scene) {
     return fmt::format("{} x {} viscous solves and {} projections a step, rotational {}", split.outer,
                        split.picard, split.outer, split.rotational);
   });
+  add(scene.accuracy.extrapolate > 0 && !scene.orifices.empty(), "accuracy.extrapolate", [&] {
+    std::string grids;
+    for (int k = scene.accuracy.extrapolate; k > 0; --k) {
+      const Patch patch = coarser(scene, k).patch();
+      grids += fmt::format("{} x {}{}", patch.nx, patch.ny, k > 1 ? ", " : "");
+    }
+    return fmt::format("runs on {} cells too, before this one, and extrapolates the discharge", grids);
+  });
+  add(scene.accuracy.vof == VofFlux::upwind, "accuracy.vof",
+      [] { return std::string("upwind: what leaves a cell is mixed; no interface is reconstructed"); });
   add(scene.accuracy.precision == Precision::full, "accuracy.precision",
       [] { return std::string("full: the preconditioner in double, twice its memory"); });
   add(scene.accuracy.extra_sweeps > 0, "accuracy.extra_sweeps", [&] {

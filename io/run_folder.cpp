@@ -99,12 +99,27 @@ long peak_memory_bytes() {
   return usage.ru_maxrss * 1024L;
 }
 
+std::string to_json(const Extrapolation& e) {
+  std::vector<std::string> cells, rates;
+  for (const long n : e.cells) cells.push_back(json_number(n));
+  for (const double rate : e.discharge_rates) rates.push_back(json_number(rate));
+  return json_object({{"cells", json_array(cells)},
+                      {"discharge_rates", json_array(rates)},
+                      {"order", json_number(e.order)},
+                      {"discharge_rate", json_number(e.discharge_rate)},
+                      {"error_bar", json_number(e.error_bar)},
+                      {"quasi_static_fraction", json_number(e.quasi_static_fraction)},
+                      {"quasi_static_error_bar", json_number(e.quasi_static_error_bar)},
+                      {"seconds", json_number(e.seconds)}},
+                     2);
+}
+
 std::string to_json(const Summary& s) {
   JsonMembers stages;
   for (const auto& [stage, seconds] : s.stages) stages.emplace_back(stage, json_number(seconds));
   std::vector<std::string> warnings;
   for (const std::string& warning : s.warnings) warnings.push_back(json_string(warning));
-  return json_object({{"status", json_string(name_of(s.status))},
+  JsonMembers members{{"status", json_string(name_of(s.status))},
                       {"reason", json_string(s.reason)},
                       {"discharge_rate", json_number(s.discharge_rate)},
                       {"discharge_constant", json_number(s.discharge_constant)},
@@ -123,8 +138,21 @@ std::string to_json(const Summary& s) {
                       {"threads", json_number(long{s.threads})},
                       {"stages", json_object(stages, 2)},
                       {"warnings", json_array(warnings)},
-                      {"provenance", to_json(provenance(s.threads), 2)}}) +
-         '\n';
+                      {"provenance", to_json(provenance(s.threads), 2)}};
+  if (s.extrapolation) {
+    const auto after = std::find_if(members.begin(), members.end(),
+                                    [](const auto& member) { return member.first == "discharge_window"; });
+    members.insert(after + 1, {"extrapolation", to_json(*s.extrapolation)});
+  }
+  return json_object(members) + '\n';
+}
+
+std::string text_of(const Extrapolation& e) {
+  return fmt::format(
+      "extrapolated from {} grids: discharge rate {:.6g} +- {:.2g} (order {:.2g}), quasi-static share "
+      "{:.4g} +- {:.2g}; {:.6g} on the finest",
+      e.cells.size(), e.discharge_rate, e.error_bar, e.order, e.quasi_static_fraction,
+      e.quasi_static_error_bar, e.discharge_rates.back());
 }
 
 std::shared_ptr<spdlog::logger> open_log(const fs::path& path) {
@@ -258,6 +286,11 @@ void RunFolder::on_step(const StepReport& report, double fraction_done) {
 
 void RunFolder::on_warning(const std::string& warning) { impl_->warn(warning); }
 
+void RunFolder::say(const std::string& line) {
+  impl_->log->info("{}", line);
+  impl_->progress.say(line);
+}
+
 void RunFolder::finish(const Summary& of_simulation) {
   Summary summary = of_simulation;
   summary.warnings.insert(summary.warnings.end(), impl_->own_warnings.begin(), impl_->own_warnings.end());
@@ -265,6 +298,7 @@ void RunFolder::finish(const Summary& of_simulation) {
   const std::string how = fmt::format("{}: {}; {} steps in {}", name_of(summary.status), summary.reason,
                                       summary.steps, duration_text(summary.wall_seconds));
   impl_->log->info("{}", how);
+  if (summary.extrapolation) say(text_of(*summary.extrapolation));
   impl_->progress.say(fmt::format("{}: {}", impl_->path.string(), how));
 }
 

@@ -38,6 +38,9 @@ class RunFolder : public Observer {
   void on_step(const StepReport& report, double fraction_done) override;
   void on_warning(const std::string& warning) override;
 
+  /// A line for the log and, unless quiet, for standard output.
+  void say(const std::string& line);
+
   /// Ends the progress line and writes summary.json, in room that was claimed at the start: a run that ends for
   /// want of room on the disk has one too.
   void finish(const Summary& summary);

@@ -61,6 +61,16 @@ class SceneReader {
       value = static_cast<Integer>(read);
   }
 
+  /// Or this word, which leaves the value as it is.
+  template <class Integer>
+  void integer_or(const char* word, const char* key, Integer& value) {
+    const YamlNode* node = here().node ? here().node->find(key) : nullptr;
+    if (node && node->kind == Kind::scalar && node->text == word)
+      child(key);
+    else
+      integer(key, value);
+  }
+
   void pair(const char* key, std::array<double, 2>& value, const char* required = nullptr) {
     const YamlNode* node = child(key, required);
     if (node) read_pair(*node, join(here().path, key), value);

@@ -24,6 +24,7 @@ class SceneWriter {
     if (value) number(key, *value);
   }
   void integer(const char* key, long value, const char* = nullptr) { line(key, fmt::format("{}", value)); }
+  void integer_or(const char*, const char* key, long value) { integer(key, value); }
   void pair(const char* key, const std::array<double, 2>& value, const char* = nullptr) {
     line(key, point(value));
   }

@@ -55,6 +55,11 @@ inline constexpr std::array start_pressure_names{"zero", "hydrostatic"};
 enum class Precision { mixed, full };
 inline constexpr std::array precision_names{"mixed", "full"};
 
+/// What of a cell leaves through a face: what lies there, by the interface reconstructed in the cell (second order), or
+/// the share of each material in the whole cell (first order).
+enum class VofFlux { plic, upwind };
+inline constexpr std::array vof_flux_names{"plic", "upwind"};
+
 /// Solids in the flow; width and height are those of the bounding box, `centre` its middle.
 enum class Shape { square, rectangle, diamond, triangle_up, triangle_down, circle, polygon };
 inline constexpr std::array shape_names{"square",        "rectangle", "diamond", "triangle_up",
@@ -124,6 +129,13 @@ struct Feed {
   int material = 0;  ///< index into Scene::materials
   double level = 0;  ///< y [L]
   bool operator==(const Feed&) const = default;
+};
+
+/// Begin with a frame of a stored run of the same domain, on any grid, instead of the fills.
+struct Start {
+  std::string run;               ///< its folder
+  std::optional<double> time{};  ///< of the frame nearest to it [T]; nullopt: the last frame
+  bool operator==(const Start&) const = default;
 };
 
 struct Air {
@@ -210,6 +222,11 @@ struct Accuracy {
   int backup_every = 16;  ///< steps from one state to go back to to the next; 0: none is kept
   Precision precision = Precision::mixed;
   SolidModel solids = SolidModel::cut_cells;
+  VofFlux vof = VofFlux::plic;
+  int cells_across_orifice = 16;  ///< at least, where nobody says how many cells: default_cells()
+  /// On so many coarser grids, each of half the cells across, the scene is run too and its figures of merit are
+  /// extrapolated (studies/extrapolation). 0 to 2.
+  int extrapolate = 0;
   Splitting splitting{};
   bool operator==(const Accuracy&) const = default;
 };
@@ -233,12 +250,13 @@ struct Scene {
   std::array<double, 2> gravity{0, -1};  ///< [L/T^2]
   Air air;
   std::vector<Material> materials{Material{}};
-  std::vector<Fill> fill;
+  std::vector<Fill> fill;  ///< not read with a start
   std::array<Wall, 4> walls{Wall::no_slip, Wall::no_slip, Wall::no_slip, Wall::open};  ///< by Side
   std::vector<Orifice> orifices;
   std::vector<Insert> inserts;
   std::optional<Hopper> hopper;
   std::optional<Feed> feed;
+  std::optional<Start> start;
   Rheology rheology;
   std::optional<Nonlocal> nonlocal;  ///< what is not named is not modelled, not stored, not paid for
   std::optional<Dilatancy> dilatancy;
@@ -281,6 +299,20 @@ std::optional<std::array<double, 2>> well_posed_range(const Material& material);
 
 /// The law mu_I_regularised of a material; nullopt where mu(I) is well posed nowhere: then it has no I_1 to hold on to.
 std::optional<RegularisedFriction> regularised_friction(const Material& material, const Rheology& rheology);
+
+/// The grid that accuracy.cells_across_orifice asks for: cells across the width.
+struct DefaultCells {
+  int cells_x = 0;       ///< 0: none near has a whole height and coarsens
+  bool fewer = false;    ///< than asked for: `most_default_cells`
+  double narrowest = 0;  ///< width of the narrowest orifice [L]; 0: there is none
+};
+inline constexpr int most_default_cells = 1024;
+/// Enough cells for the narrowest orifice, 8 times as many across the width where there is none; a multiple of 16, so
+/// that the multigrid coarsens well, where the height allows it.
+DefaultCells default_cells(const Scene& scene);
+
+/// The scene on a grid with half the cells across, `halvings` times; alone: it asks for no extrapolation.
+Scene coarser(const Scene& scene, int halvings);
 
 /// A thing wrong with a scene: the dotted path of the key, what is wrong with allowed range and cure.
 struct Problem {

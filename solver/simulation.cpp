@@ -56,6 +56,41 @@ void Simulation::Impl::fill() {
   fill_cell_halo(boundary, fields.grains);
 }
 
+void Simulation::begin_with(const InitialState& state) {
+  Impl& s = *impl_;
+  Fields& f = s.fields;
+  const Patch& patch = f.patch();
+  const std::vector<CellField> shares = regrid(state.shares, patch);
+  const CellField vx = regrid(state.velocity_x, patch), vy = regrid(state.velocity_y, patch);
+  const CellField packing = state.packing.allocated() ? regrid(state.packing, patch) : CellField();
+  f.p = regrid(state.pressure, patch);
+  for (int j = 0; j < patch.ny; ++j)
+    for (int i = 0; i < patch.nx; ++i) {
+      const bool open = !s.geometry || s.geometry->volume(i, j) > 0;
+      double room = f.grains(i, j) = open ? std::clamp(shares[0](i, j), 0.0, 1.0) : 0.0;
+      for (std::size_t k = 0; k < f.tracers.size(); ++k) {
+        f.tracers[k](i, j) = std::clamp(shares[k + 1](i, j), 0.0, room);
+        room -= f.tracers[k](i, j);
+      }
+      const double loose =
+          packing.allocated() && f.grains(i, j) > 0.5 ? packing(i, j) / s.scene.dilatancy->phi_max : 1;
+      for (std::size_t k = 0; k < f.solid.size(); ++k)
+        f.solid[k](i, j) = loose * (k == 0 ? f.grains(i, j) : f.tracers[k - 1](i, j));
+    }
+  for (int j = 0; j < patch.ny; ++j)
+    for (int i = 0; i <= patch.nx; ++i)
+      f.u(i, j) = 0.5 * (vx(std::max(i - 1, 0), j) + vx(std::min(i, patch.nx - 1), j));
+  for (int j = 0; j <= patch.ny; ++j)
+    for (int i = 0; i < patch.nx; ++i)
+      f.v(i, j) = 0.5 * (vy(i, std::max(j - 1, 0)) + vy(i, std::min(j, patch.ny - 1)));
+  if (s.geometry) fill_solid_shares(*s.geometry, f);
+  fill_cell_halo(s.boundary, f.grains);
+  s.stepper->fill_halo(f);
+  const CellField p = f.p;
+  s.stepper->project(f, s.scene.time.dt_max);
+  f.p = p;
+}
+
 /// Without air nothing happens above the grains: their rows are left out of everything, by whole numbers of the cells that
 /// the coarser grids need, and come back if grains fly up.
 void Simulation::Impl::fit_height() {
@@ -325,6 +360,10 @@ CellField Simulation::derived(const std::string& name) const {
       for (const CellField& t : f.tracers) share += t(i, j);
       return f.grains(i, j) > 0 ? std::min(share / f.grains(i, j), 1.0) : 0.0;
     });
+  } else if (const std::size_t k = tracer_number(name); k > 0 && k <= f.tracers.size()) {
+    each([&](int i, int j) {
+      return f.grains(i, j) > 0 ? std::min(f.tracers[k - 1](i, j) / f.grains(i, j), 1.0) : 0.0;
+    });
   } else if (name == "viscosity") {
     each([&](int i, int j) { return impl_->stepper->viscosity()(i, j); });
   } else if (name == "shear_rate") {
@@ -360,6 +399,13 @@ CellField Simulation::derived(const std::string& name) const {
   return whole;
 }
 
+std::size_t tracer_number(const std::string& field) {
+  constexpr std::string_view stem = "tracer_";
+  const bool one = field.size() == stem.size() + 1 && field.starts_with(stem) && field.back() >= '1' &&
+                   field.back() <= '9';
+  return one ? static_cast<std::size_t>(field.back() - '0') : 0;
+}
+
 bool has_module(const Scene& scene, const std::string& module) {
   return (module == "nonlocal" && scene.nonlocal) || (module == "dilatancy" && scene.dilatancy) ||
          (module == "wall_friction" && scene.wall_friction);
@@ -373,6 +419,10 @@ const std::vector<FieldInfo>& known_fields() {
       {"pressure", "M/T^2", "pressure", false},
       {"grains", "1", "grain fraction", false},
       {"tracer", "1", "tracer share of grains", false},
+      {"tracer_1", "1", "share of the second material", false},
+      {"tracer_2", "1", "share of the third material", false},
+      {"tracer_3", "1", "share of the fourth material", false},
+      {"tracer_4", "1", "share of the fifth material", false},
       {"viscosity", "M/T", "viscosity", true},
       {"shear_rate", "1/T", "shear rate", true},
       {"inertial_number", "1", "inertial number I", true},

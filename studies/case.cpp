@@ -3,6 +3,8 @@
 #include <ctime>
 #include <exception>
 
+#include "io/start.hpp"
+
 namespace hourglass {
 namespace {
 
@@ -31,6 +33,7 @@ CaseResult run_case(const Scene& scene, const CaseOptions& options) {
   observers.push_back(&rows);
   try {
     Simulation simulation(scene);
+    begin(simulation);
     if (options.prepare) options.prepare(simulation);
     result.summary = simulation.run(observers);
     if (options.at_end) options.at_end(simulation);

@@ -26,7 +26,8 @@ constexpr double first_rate = 150e-9, tight_price = 3.5;
 constexpr int ensemble_size = 5, most_combined = 6;
 constexpr double hopeless = 0.2;  ///< error of the discharge on a grid where nothing is worth combining
 constexpr double ill_posed_share = 0.01;  ///< of cells: beyond, differences may be noise
-const std::string tight = "accuracy={preset: accurate, pressure_tolerance: 1e-9, precision: full}";
+const std::string tight =
+    "accuracy={preset: accurate, pressure_tolerance: 1e-9, precision: full, extrapolate: 0}";
 
 const std::vector<std::string> columns{"run",        "group",          "cells_x",
                                        "cells",      "steps",          "repeats",

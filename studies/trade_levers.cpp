@@ -47,7 +47,15 @@ const std::vector<Lever>& levers() {
        {"1e-2", "1e-3"},
        [](const Scene& s) { return !s.orifices.empty(); }},
       {"output.series_every", [](const Scene& s) { return s.output.series_every; }, {0.2, 4}},
-      {"accuracy", nullptr, {}, {"fast", "accurate"}},
+      {"accuracy", nullptr, {}, {"fast", "balanced", "accurate"}},
+      {"accuracy.vof", nullptr, {}, {"upwind"}},
+      {"accuracy.extra_sweeps", nullptr, {}, {"1", "2"}},
+      {"accuracy.extrapolate", nullptr, {}, {"1", "2"}},
+      {"accuracy.solids",
+       nullptr,
+       {},
+       {"staircase"},
+       [](const Scene& s) { return !s.inserts.empty() || s.hopper.has_value(); }},
       {"physics.rheology.corner_mean", nullptr, {}, {"arithmetic"}},
       {"physics.rheology.eta_max",
        [](const Scene& s) { return s.rheology.eta_max; },
@@ -92,6 +100,9 @@ std::vector<Variant> one_lever_variants(const Scene& balanced) {
       if (lever.own(balanced) != 0) values.push_back(fmt::format("{:.6g}", value));
     }
     for (const std::string& value : values) {
+      if (std::string_view(lever.key) ==
+          "accuracy")  // the words as they are meant: with the grid that they choose
+        variants.push_back({lever.key, {"accuracy=" + value, "grid.cells_x=auto"}, false, false});
       Variant v{lever.key, {fmt::format("{}={}", lever.key, value)}, false, lever.model};
       v.halved = v.lever == "domain.symmetry";
       if (!v.halved || halved(balanced)) variants.push_back(std::move(v));

@@ -188,6 +188,10 @@ Record Recorder::record(const Summary& summary) const {
   Record r;
   if (!whole_.orifices.empty()) r["discharge"] = {summary.discharge_rate};
   r["quasi_static"] = {summary.quasi_static_fraction};
+  if (const auto& limit = summary.extrapolation; limit && !whole_.orifices.empty()) {
+    r["discharge"] = {limit->discharge_rate};
+    r["quasi_static"] = {limit->quasi_static_fraction};
+  }
   r["mass_defect"] = {summary.mass_error};
   if (samples_ > 0 && !probes_.empty()) {
     r["pressure"] = pressure_;

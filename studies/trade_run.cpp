@@ -3,6 +3,7 @@
 
 #include "solver/diagnostics.hpp"
 #include "solver/timers.hpp"
+#include "studies/extrapolation.hpp"
 #include "studies/trade.hpp"
 
 namespace hourglass {
@@ -45,9 +46,13 @@ TradeOutcome run_of_trade(const TradeRun& run, const Scene& whole, const std::ve
       };
     pace.push_back(pace_of(whole));
     const auto begin = Clock::now();
-    const CaseResult result = run_case(run.scene, options);
+    Observer never_interrupts;
+    const CoarseRuns coarse = run_coarser(run.scene, true, never_interrupts);
+    CaseResult result = run_case(run.scene, options);
+    if (run.scene.accuracy.extrapolate > 0) extrapolate(coarse, result.summary);
     wall.push_back(seconds_since(begin));
     cpu.push_back(result.cpu_seconds);
+    for (const CaseResult& c : coarse.cases) cpu.back() += c.cpu_seconds;
     outcome.status = result.summary.status;
     outcome.reason = result.summary.reason;
     outcome.steps = result.summary.steps;

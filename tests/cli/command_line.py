@@ -203,6 +203,45 @@ class CommandLine(unittest.TestCase):
                 with open(os.path.join(out, "summary.json")) as file:
                     self.assertEqual(json.load(file)["status"], "interrupted")
 
+    def test_extrapolation(self):
+        self.scene()
+        sets = ["--set", "grid.cells_x=32", "--set", "accuracy.extrapolate=1"]
+        result = self.hourglass("run", "scene.yaml", *sets, "--out", "run")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("extrapolation: 16 x 16", result.stdout)
+        self.assertIn("extrapolated from 2 grids", result.stdout)
+        with open(self.path("run/summary.json")) as file:
+            summary = json.load(file)
+        told = summary["extrapolation"]
+        self.assertEqual(told["cells"], [256, 1024])
+        self.assertEqual(len(told["discharge_rates"]), 2)
+        self.assertAlmostEqual(told["discharge_rates"][1], summary["discharge_rate"], places=9)
+        self.assertEqual(told["order"], 1.5)
+        self.refuse("run", "scene.yaml", "--set", "accuracy.extrapolate=2", says=["accuracy.extrapolate: 2 needs the scene on"])
+
+        process = subprocess.Popen([PROGRAM, "run", "scene.yaml", *sets, "--set", "time.end=1e6", "--out", "long"],
+                                   cwd=self.folder.name, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        process.stdout.readline()  # a coarser grid is on its way
+        process.send_signal(signal.SIGINT)
+        stderr = process.communicate(timeout=60)[1]
+        self.assertEqual(process.returncode, 130, stderr)
+        with open(self.path("long/summary.json")) as file:
+            summary = json.load(file)
+        self.assertEqual(summary["status"], "interrupted")
+        self.assertIn("on a coarser grid", summary["reason"])
+
+    def test_start_from_a_stored_run(self):
+        self.scene(output="output: {fields_every: 0.5, snapshots_every: 0, fields: [pressure]}")
+        self.assertEqual(self.hourglass("run", "scene.yaml", "--out", "first", "--quiet").returncode, 0)
+        self.scene(fill="start: {run: first}", grid="")
+        result = self.hourglass("run", "scene.yaml", "--out", "second", "--set", "accuracy=fast")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("grid.cells_x: 16 chosen by accuracy", result.stderr)
+        again = self.hourglass("check", "second/scene.yaml")
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.refuse("run", "scene.yaml", "--set", "start.run=nowhere", says=["start: nowhere/fields.h5"])
+        self.refuse("run", "scene.yaml", "--set", "domain.height=20", says=["the domain must be the same"])
+
     def small_disk(self):
         """A folder on a disk of 2 MiB, which takes root."""
         disk = self.path("disk")

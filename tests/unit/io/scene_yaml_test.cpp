@@ -1,12 +1,14 @@
 #include "io/scene_yaml.hpp"
-#include "io/scene_keys.hpp"
 
+#include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
 #include <set>
+
+#include "io/scene_keys.hpp"
 
 using namespace hourglass;
 namespace fs = std::filesystem;
@@ -150,6 +152,7 @@ TEST_CASE("reference.yaml and docs/scene.md name every key") {
   for (std::string line; std::getline(file, line);)
     if (line.starts_with("| `")) documented.insert(line.substr(3, line.find('`', 3) - 3));
   known.insert({"physics.wall_friction.mu_w", "physics.wall_friction.gap"});  // instead of F
+  known.insert({"start.run", "start.time"});                                  // a run must be there
   CHECK(documented == known);
 }
 
@@ -193,11 +196,17 @@ TEST_CASE("words of accuracy") {
   const auto with = [&](const std::string& word) {
     return load_scene(file.path(), {"accuracy=" + word}).scene.accuracy;
   };
-  CHECK(with("fast") ==
-        Accuracy{.viscous_tolerance = 5e-3, .pressure_tolerance = 1e-5, .fluidity_tolerance = 3e-2});
+  CHECK(with("fast") == Accuracy{.viscous_tolerance = 5e-3,
+                                 .pressure_tolerance = 1e-5,
+                                 .fluidity_tolerance = 3e-2,
+                                 .cells_across_orifice = 8});
   CHECK(with("balanced") == Accuracy{});
-  CHECK(with("accurate") ==
-        Accuracy{.viscous_tolerance = 1e-4, .pressure_tolerance = 1e-8, .fluidity_tolerance = 1e-3});
+  const Accuracy accurate{.viscous_tolerance = 1e-4,
+                          .pressure_tolerance = 1e-8,
+                          .fluidity_tolerance = 1e-3,
+                          .cells_across_orifice = 32,
+                          .extrapolate = 2};
+  CHECK(with("accurate") == accurate);
   CHECK(with("{precision: full}") == Accuracy{.precision = Precision::full});
   expect(11, "accuracy: fst",
          {"bad.yaml:11 accuracy:", "'fst'", "fast, balanced, accurate", "Did you mean 'fast'?"});
@@ -211,16 +220,13 @@ TEST_CASE("a word of accuracy may be changed in part") {
     CHECK(loaded.ok());
     return loaded.scene.accuracy;
   };
-  const auto in_double = [](Accuracy accuracy) {
-    accuracy.precision = Precision::full;
-    return accuracy;
-  };
-  const Accuracy fast_in_double = in_double(accuracy_presets[0]);
+  Accuracy fast_in_double = accuracy_presets[0], accurate_in_double = accuracy_presets[2];
+  fast_in_double.precision = accurate_in_double.precision = Precision::full;
   CHECK(with({"accuracy.precision=full"}) == fast_in_double);
   CHECK(with({"accuracy={precision: full, preset: fast}"}) == fast_in_double);
-  CHECK(with({"accuracy=balanced", "accuracy.precision=full"}) == in_double(accuracy_presets[1]));
+  CHECK(with({"accuracy=balanced", "accuracy.precision=full"}) == Accuracy{.precision = Precision::full});
   CHECK(with({"accuracy.precision=full", "accuracy=accurate"}) == accuracy_presets[2]);
-  CHECK(with({"accuracy.precision=full", "accuracy.preset=accurate"}) == in_double(accuracy_presets[2]));
+  CHECK(with({"accuracy.precision=full", "accuracy.preset=accurate"}) == accurate_in_double);
   CHECK_THAT(messages(load_scene(file.path(), {"accuracy.precison=full"})),
              Catch::Contains("--set accuracy.precison=full accuracy.precison: unknown key. Did you mean"));
 }
@@ -289,13 +295,48 @@ TEST_CASE("wrong types say what was found and what is expected") {
 TEST_CASE("missing keys") {
   expect(2, "domain: {width: 150}",
          {"bad.yaml:2 domain.height: is missing (the height of the domain, above 0)."});
-  expect(3, "", {"grid.cells_x: is missing"});
   expect(9, "  - {centre: 75}", {"bad.yaml:9 orifices.0.width: is missing"});
   expect(10, "", {"bad.yaml:1 time: nothing ends this run"});
   const File file("domain: {width: 150, height: 150}\ngrid: {cells_x: 128}\ntime: {end: 1}\n");
   const std::string all = messages(load_scene(file.path()));
   CHECK_THAT(all, Catch::Contains("materials: is missing (at least one"));
   CHECK_THAT(all, Catch::Contains("fill: is missing"));
+}
+
+TEST_CASE("without grid.cells_x accuracy decides, by the narrowest opening") {
+  const auto cells = [](const std::string& text, const std::vector<std::string>& overrides = {}) {
+    const File file(text);
+    const Loaded loaded = load_scene(file.path(), overrides);
+    INFO(messages(loaded));
+    CHECK(loaded.ok());
+    REQUIRE(loaded.notes.size() == 1);
+    CHECK_THAT(loaded.notes[0],
+               Catch::Contains(fmt::format("grid.cells_x: {} chosen", loaded.scene.cells_x)));
+    const File resolved(to_yaml(loaded.scene));  // which names it
+    const Loaded again = load_scene(resolved.path());
+    CHECK(again.notes.empty());
+    CHECK(again.scene == loaded.scene);
+    return loaded.scene.cells_x;
+  };
+  const std::string silo = sound_with(3, "");
+  CHECK(cells(silo, {"accuracy=fast"}) == 64);
+  CHECK(cells(silo) == 128);
+  CHECK(cells(silo, {"accuracy={preset: accurate, extrapolate: 0}"}) == 256);
+  CHECK(cells(silo, {"accuracy={cells_across_orifice: 10}"}) == 80);
+  CHECK(cells(silo, {"orifices.0.width=10"}) == 240);
+  CHECK(cells(silo, {"orifices.0.width=1"}) == 1024);  // the most
+  CHECK(cells(silo, {"domain.height=140"}) == 240);    // 128 would be 119.5 cells high
+  CHECK(cells(sound_with(3, "") + "inserts: []\n", {"orifices=[]", "accuracy=fast"}) == 64);
+  CHECK(cells(silo, {"orifices=[]"}) == 128);
+  CHECK(cells(silo, {"orifices=[]", "accuracy={preset: accurate, extrapolate: 0}"}) == 256);
+  CHECK(cells(sound_with(3, "hopper: {half_angle: 30, outlet: 30}"), {"orifices=[]"}) == 80);
+  const File named(sound_with(0, ""));
+  CHECK(load_scene(named.path(), {"accuracy=fast"}).notes.empty());
+  CHECK(load_scene(named.path(), {"accuracy=fast"}).scene.cells_x == 128);
+  expect(3, "grid: {cells_x: 0}", {"bad.yaml:3 grid.cells_x: 0 is out of range (must be >= 2)"});
+  const File awkward(sound_with(3, ""));
+  CHECK_THAT(messages(load_scene(awkward.path(), {"domain.height=149.999"})),
+             Catch::Contains("grid.cells_x: is missing, and near what accuracy asks for"));
 }
 
 TEST_CASE("unknown keys suggest the nearest, or where the key belongs, or list what is allowed") {
