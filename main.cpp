@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -20,6 +21,7 @@
 #include "io/start.hpp"
 #include "solver/simulation.hpp"
 #include "studies/extrapolation.hpp"
+#include "studies/trade.hpp"
 
 using namespace hourglass;
 
@@ -45,8 +47,9 @@ struct Arguments {
   std::string scene, out, run;
   std::vector<std::string> sets, overlays;
   RenderOptions render;
+  std::optional<double> budget;
   int threads = -1;
-  bool resume = false, force = false, quiet = false;
+  bool resume = false, force = false, quiet = false, dry_run = false;
 };
 
 /// Prints what is wrong with the scene, or doubtful, and what was chosen for it.
@@ -145,6 +148,19 @@ int check(const Arguments& a) {
   return failed;
 }
 
+int trade(const Arguments& a) {
+  SignalWatch watch;
+  const bool ended = hourglass::trade({.scene = a.scene,
+                                       .sets = a.sets,
+                                       .out = a.out,
+                                       .budget = a.budget,
+                                       .threads = a.threads < 0 ? 1 : a.threads,
+                                       .force = a.force,
+                                       .dry_run = a.dry_run,
+                                       .observers = {&watch}});
+  return ended ? finished : by_signal + caught_signal;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -179,6 +195,18 @@ int main(int argc, char** argv) {
       "plan",
       "say what a scene switches on, what it allocates, how many steps and seconds it takes; runs nothing");
   takes_scene(plan_command);
+
+  CLI::App* trade_command = app.add_subcommand(
+      "trade", "measure what speed costs in accuracy: every lever, against a reference of the scene's own");
+  takes_scene(trade_command);
+  trade_command
+      ->add_option("--out", a.out, "folder (default: trades/<name of the scene>); a trade in it goes on")
+      ->type_name("DIR");
+  trade_command->add_option("--budget", a.budget, "leave out what does not fit into so many minutes")
+      ->type_name("MINUTES")
+      ->check(CLI::PositiveNumber);
+  trade_command->add_flag("--force", a.force, "begin anew in the same folder");
+  trade_command->add_flag("--dry-run", a.dry_run, "print the runs and about how long they take");
 
   CLI::App* render_command = app.add_subcommand("render", "draw pictures from a stored run");
   render_command->add_option("run", a.run, "run folder")
@@ -217,6 +245,7 @@ int main(int argc, char** argv) {
     if (*run_command) return run(a);
     if (*check_command) return check(a);
     if (*plan_command) return plan(a);
+    if (*trade_command) return trade(a);
     return render(a);
   } catch (const std::invalid_argument& error) {  // what was asked for cannot be: nothing was written
     fmt::print(stderr, "{}\n", error.what());

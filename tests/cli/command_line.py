@@ -52,7 +52,7 @@ class CommandLine(unittest.TestCase):
         return result
 
     def test_help_and_version(self):
-        for command in ([], ["run"], ["check"], ["plan"], ["render"]):
+        for command in ([], ["run"], ["check"], ["plan"], ["render"], ["trade"]):
             result = self.hourglass(*command, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("--help", result.stdout)
@@ -87,7 +87,7 @@ class CommandLine(unittest.TestCase):
             ("orifices", "orifices: [{wall: bottom, centre: 20, width: 2.5}]", "orifices.0.width: the neck is 1 cells"),
             ("time", "time: {cfl: 0.5}", "time: nothing ends this run"),
         ]
-        for command in ("run", "check", "plan"):
+        for command in ("run", "check", "plan", "trade"):
             for key, line, words in cases:
                 with self.subTest(command=command, line=line):
                     self.scene(**{key: line})
@@ -116,6 +116,16 @@ class CommandLine(unittest.TestCase):
         self.assertIn("sand: well posed for", result.stdout)
         self.assertIn("One projection of noise", result.stdout)
         self.assertEqual(os.listdir(self.folder.name), ["scene.yaml"])
+
+    def test_trade_tells_its_runs_and_writes_nothing(self):
+        self.scene()
+        result = self.hourglass("trade", "scene.yaml", "--dry-run")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        for words in ("balanced", "grid.cells_x=32", "accuracy.viscous_tolerance=", "time.dt_max="):
+            self.assertIn(words, result.stdout)
+        self.assertEqual(os.listdir(self.folder.name), ["scene.yaml"])
+        self.refuse("trade", "scene.yaml", "--budget", "-1")
+        self.refuse("trade", "scene.yaml", "--set", "time={max_steps: 10}", says=["time.end"])
 
     def test_plan_tells_and_writes_nothing(self):
         self.scene(output="output: {fields_every: 0.5, snapshots_every: 0.5, fields: [speed, fluidity_ratio]}")
