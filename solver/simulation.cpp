@@ -62,7 +62,14 @@ void Simulation::begin_with(const InitialState& state) {
   const Patch& patch = f.patch();
   const std::vector<CellField> shares = regrid(state.shares, patch);
   const CellField vx = regrid(state.velocity_x, patch), vy = regrid(state.velocity_y, patch);
-  const CellField packing = state.packing.allocated() ? regrid(state.packing, patch) : CellField();
+  CellField solid;  // as Fields::solid, of all grains
+  if (state.packing.allocated()) {
+    solid = state.shares[0];
+    for (int j = 0; j < solid.ny(); ++j)
+      for (int i = 0; i < solid.nx(); ++i)
+        if (solid(i, j) > 0.5) solid(i, j) *= state.packing(i, j) / s.scene.dilatancy->phi_max;
+    solid = std::move(regrid({state.shares[0], solid}, patch)[1]);
+  }
   f.p = regrid(state.pressure, patch);
   for (int j = 0; j < patch.ny; ++j)
     for (int i = 0; i < patch.nx; ++i) {
@@ -73,7 +80,7 @@ void Simulation::begin_with(const InitialState& state) {
         room -= f.tracers[k](i, j);
       }
       const double loose =
-          packing.allocated() && f.grains(i, j) > 0.5 ? packing(i, j) / s.scene.dilatancy->phi_max : 1;
+          solid.allocated() && f.grains(i, j) > 0 ? std::min(solid(i, j) / f.grains(i, j), 1.0) : 1;
       for (std::size_t k = 0; k < f.solid.size(); ++k)
         f.solid[k](i, j) = loose * (k == 0 ? f.grains(i, j) : f.tracers[k - 1](i, j));
     }

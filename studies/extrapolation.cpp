@@ -62,6 +62,10 @@ void extrapolate(const CoarseRuns& coarse, Summary& summary) {
   if (!coarse.stopped.empty()) return none(coarse.stopped);
   if (summary.status != Status::finished && summary.status != Status::stopped)
     return none("the run has not ended well");
+  for (const CaseResult& c : coarse.cases)
+    if (c.summary.missed_tolerances > 0)
+      summary.warnings.push_back(fmt::format("the coarser run with {} cells missed {} tolerances",
+                                             c.summary.cells, c.summary.missed_tolerances));
   std::vector<const Summary*> grids;
   for (const CaseResult& c : coarse.cases) grids.push_back(&c.summary);
   grids.push_back(&summary);

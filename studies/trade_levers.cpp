@@ -36,6 +36,7 @@ const std::vector<Lever>& levers() {
        {},
        [](const Scene& s) { return s.nonlocal.has_value(); }},
       {"accuracy.precision", nullptr, {}, {"full"}},
+      {"accuracy.vof", nullptr, {}, {"upwind"}},
       {"accuracy.splitting.outer", nullptr, {}, {"2"}},
       {"accuracy.splitting.picard", nullptr, {}, {"2", "4"}},
       {"accuracy.splitting.rotational", nullptr, {}, {"0", "0.5"}},

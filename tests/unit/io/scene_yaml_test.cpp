@@ -8,8 +8,6 @@
 #include <fstream>
 #include <set>
 
-#include "io/scene_keys.hpp"
-
 using namespace hourglass;
 namespace fs = std::filesystem;
 
@@ -220,13 +218,16 @@ TEST_CASE("a word of accuracy may be changed in part") {
     CHECK(loaded.ok());
     return loaded.scene.accuracy;
   };
-  Accuracy fast_in_double = accuracy_presets[0], accurate_in_double = accuracy_presets[2];
-  fast_in_double.precision = accurate_in_double.precision = Precision::full;
+  const auto in_double = [](Accuracy accuracy) {
+    accuracy.precision = Precision::full;
+    return accuracy;
+  };
+  const Accuracy fast_in_double = in_double(accuracy_presets[0]);
   CHECK(with({"accuracy.precision=full"}) == fast_in_double);
   CHECK(with({"accuracy={precision: full, preset: fast}"}) == fast_in_double);
-  CHECK(with({"accuracy=balanced", "accuracy.precision=full"}) == Accuracy{.precision = Precision::full});
+  CHECK(with({"accuracy=balanced", "accuracy.precision=full"}) == in_double(accuracy_presets[1]));
   CHECK(with({"accuracy.precision=full", "accuracy=accurate"}) == accuracy_presets[2]);
-  CHECK(with({"accuracy.precision=full", "accuracy.preset=accurate"}) == accurate_in_double);
+  CHECK(with({"accuracy.precision=full", "accuracy.preset=accurate"}) == in_double(accuracy_presets[2]));
   CHECK_THAT(messages(load_scene(file.path(), {"accuracy.precison=full"})),
              Catch::Contains("--set accuracy.precison=full accuracy.precison: unknown key. Did you mean"));
 }

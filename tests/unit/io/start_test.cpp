@@ -120,6 +120,20 @@ TEST_CASE("start: more than two materials are stored each by itself") {
   for (std::size_t k = 0; k < 3; ++k) CHECK(after[k] == Approx(before[k]).epsilon(1e-7));
 }
 
+TEST_CASE("start: dilated grains keep their mass, but where half-empty cells have no packing") {
+  Scene scene = silo(32, 4);
+  scene.dilatancy = Dilatancy{};
+  const StoredRun run(scene, 4, {"grains", "pressure", "packing"});
+  scene.start = Start{run.path()};
+  for (const int cells : {16, 32, 64}) {
+    scene.cells_x = cells;
+    Simulation simulation(scene);
+    begin(simulation);
+    INFO(cells << " cells across");
+    CHECK(simulation.grain_mass() == Approx(run.simulation->grain_mass()).epsilon(5e-4));
+  }
+}
+
 TEST_CASE("start: the frame nearest to the time is taken") {
   const StoredRun run(silo(16, 5), 2, {"grains", "pressure"});
   Scene scene = silo(16, 1);

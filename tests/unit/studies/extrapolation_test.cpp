@@ -65,6 +65,14 @@ TEST_CASE("extrapolation: none where a grid failed, where windows are apart, and
   extrapolate(coarse_runs({steady(0.84, 0.16, 15, 256)}), fine);
   CHECK_FALSE(fine.extrapolation);
 
+  Summary troubled = steady(0.96, 0.16, 50, 256);
+  troubled.missed_tolerances = 3;
+  fine = steady(0.99, 0.2, 50, 4096);
+  extrapolate(coarse_runs({troubled}), fine);
+  CHECK(fine.extrapolation);
+  REQUIRE(fine.warnings.size() == 1);
+  CHECK(fine.warnings[0] == "the coarser run with 256 cells missed 3 tolerances");
+
   fine = steady(0.99, 0.2, 50, 4096);
   extrapolate(coarse_runs({steady(0.96, 0.2, 50, 256), steady(1.0, 0.2, 50, 256)}), fine);
   REQUIRE(fine.extrapolation);
