@@ -159,6 +159,7 @@ class Trade {
       return true;
     }
     if (!run_combinations()) return false;
+    add_extrapolations();
     compare();
     name_points(result_);
     write_trade(result_, folder_);
@@ -479,6 +480,60 @@ class Trade {
       }
     }
     return true;
+  }
+
+  // ---- extrapolation -----------------------------------------------------------------------------------------
+
+  static bool usable(const TradeResult::Row& row) {
+    return !row.failed() && !row.run.variant.model && row.outcome.record.contains("discharge");
+  }
+
+  static TradeResult::Row extrapolated(const std::vector<const TradeResult::Row*>& grids) {
+    TradeResult::Row row = *grids.front();
+    row.run.group = "extrapolation";
+    row.run.variant.sets.push_back(fmt::format("accuracy.extrapolate={}", grids.size() - 1));
+    row.run.name = row.run.variant.name();
+    for (const char* key : {"discharge", "quasi_static"}) {
+      std::vector<double> values;
+      for (auto grid = grids.rbegin(); grid != grids.rend(); ++grid)
+        values.push_back((*grid)->outcome.record.at(key).front());
+      row.outcome.record[key] = {richardson(values).value};
+    }
+    double cpu = 0, wall = 0, paces = 0;
+    for (const TradeResult::Row* grid : grids) {
+      cpu += grid->outcome.cpu_seconds;
+      wall += grid->outcome.wall_seconds;
+      paces += grid->outcome.cpu_seconds / grid->outcome.pace;
+    }
+    row.outcome.cpu_seconds = cpu;
+    row.outcome.wall_seconds = wall;
+    row.outcome.pace = cpu / paces;
+    return row;
+  }
+
+  /// What accuracy.extrapolate makes of the runs at hand: those that differ in nothing but their grid, each with half the
+  /// cells of the next.
+  void add_extrapolations() {
+    const auto rest = [](const TradeRun& run) {
+      std::vector<std::string> sets = run.variant.sets;
+      std::erase_if(sets, [](const std::string& s) { return s.starts_with("grid.cells_x="); });
+      return sets;
+    };
+    std::vector<TradeResult::Row> rows;
+    for (const TradeResult::Row& finest : result_.rows) {
+      std::vector<const TradeResult::Row*> grids{&finest};  // the finest first
+      for (int divisor = 2; divisor <= 4 && std::ssize(grids) == divisor / 2; divisor *= 2) {
+        const auto coarser =
+            std::find_if(result_.rows.begin(), result_.rows.end(), [&](const TradeResult::Row& row) {
+              return divisor * row.run.scene.cells_x == finest.run.scene.cells_x &&
+                     rest(row.run) == rest(finest.run) && usable(row);
+            });
+        if (coarser == result_.rows.end() || !usable(finest)) break;
+        grids.push_back(&*coarser);
+        rows.push_back(extrapolated(grids));
+      }
+    }
+    result_.rows.insert(result_.rows.end(), rows.begin(), rows.end());
   }
 
   TradeOptions o_;
