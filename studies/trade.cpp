@@ -5,15 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 
-#include "io/csv.hpp"
 #include "io/progress.hpp"
 #include "io/scene_yaml.hpp"
 #include "solver/diagnostics.hpp"
 #include "studies/pareto.hpp"
+#include "studies/trade_store.hpp"
 
 namespace hourglass {
 namespace fs = std::filesystem;
@@ -27,100 +25,6 @@ constexpr int ensemble_size = 5, most_combined = 6;
 constexpr double hopeless = 0.2;  ///< error of the discharge on a grid where nothing is worth combining
 constexpr double ill_posed_share = 0.01;  ///< of cells: beyond, differences may be noise
 const std::string tight = "accuracy={preset: accurate, pressure_tolerance: 1e-9, precision: full}";
-
-const std::vector<std::string> columns{"run",        "group",          "cells_x",
-                                       "cells",      "steps",          "repeats",
-                                       "status",     "cpu_seconds",    "wall_seconds",
-                                       "pace",       "spent_seconds",  "missed_tolerances",
-                                       "ill_posed",  "discharge_rate", "quasi_static_fraction",
-                                       "mass_error", "reason"};
-
-std::string text_of(double x) { return fmt::format("{}", x); }
-
-double scalar(const Record& record, const char* key) {
-  const auto at = record.find(key);
-  return at == record.end() || at->second.empty() ? NAN : at->second.front();
-}
-
-std::string file_name(const std::string& run) {
-  std::string out;
-  for (const char c : run)
-    out += std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-' ? c : '_';
-  return out + ".csv";
-}
-
-std::string content_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-/// What is done, on disk; goes on where an earlier process was stopped.
-class Store {
- public:
-  Store(const fs::path& folder, const Scene& balanced, bool force) : folder_(folder) {
-    const fs::path scene = folder / "scene.yaml", runs = folder / "runs.csv";
-    if (force) {
-      fs::remove(runs);
-      fs::remove_all(folder / "runs");
-    } else if (fs::exists(runs) && content_of(scene) != to_yaml(balanced)) {
-      throw std::invalid_argument(
-          fmt::format("{}: holds the trade of another scene (scene.yaml). Choose another folder "
-                      "with --out, or replace it with --force.",
-                      folder.string()));
-    }
-    fs::create_directories(folder / "runs");
-    write_atomically(scene, to_yaml(balanced));
-    ledger_.emplace(runs, columns);
-  }
-
-  std::optional<TradeOutcome> find(const std::string& run) const {
-    const Ledger::Row* row = ledger_->find(run);
-    if (!row) return std::nullopt;
-    TradeOutcome o;
-    const auto number = [&](const char* column) { return std::stod(row->at(column)); };
-    for (const Status s : {Status::finished, Status::stopped, Status::diverged, Status::interrupted})
-      if (row->at("status") == name_of(s)) o.status = s;
-    o.reason = row->at("reason");
-    o.cells = std::stol(row->at("cells"));
-    o.steps = std::stol(row->at("steps"));
-    o.missed_tolerances = std::stol(row->at("missed_tolerances"));
-    o.repeats = std::stoi(row->at("repeats"));
-    o.cpu_seconds = number("cpu_seconds");
-    o.wall_seconds = number("wall_seconds");
-    o.pace = number("pace");
-    o.spent_seconds = number("spent_seconds");
-    o.ill_posed = number("ill_posed");
-    if (o.status == Status::finished || o.status == Status::stopped) o.record = read_record(record_of(run));
-    return o;
-  }
-  void add(const TradeRun& run, const TradeOutcome& o) {
-    write_record(record_of(run.name), o.record);
-    ledger_->add({{"run", run.name},
-                  {"group", run.group},
-                  {"cells_x", fmt::format("{}", run.scene.cells_x)},
-                  {"cells", fmt::format("{}", o.cells)},
-                  {"steps", fmt::format("{}", o.steps)},
-                  {"repeats", fmt::format("{}", o.repeats)},
-                  {"status", name_of(o.status)},
-                  {"cpu_seconds", text_of(o.cpu_seconds)},
-                  {"wall_seconds", text_of(o.wall_seconds)},
-                  {"pace", text_of(o.pace)},
-                  {"spent_seconds", text_of(o.spent_seconds)},
-                  {"missed_tolerances", fmt::format("{}", o.missed_tolerances)},
-                  {"ill_posed", text_of(o.ill_posed)},
-                  {"discharge_rate", text_of(scalar(o.record, "discharge"))},
-                  {"quasi_static_fraction", text_of(scalar(o.record, "quasi_static"))},
-                  {"mass_error", text_of(scalar(o.record, "mass_defect"))},
-                  {"reason", o.reason}});
-  }
-  const std::vector<Ledger::Row>& rows() const { return ledger_->rows(); }
-
- private:
-  fs::path record_of(const std::string& run) const { return folder_ / "runs" / file_name(run); }
-
-  fs::path folder_;
-  std::optional<Ledger> ledger_;
-};
 
 class Trade {
  public:
@@ -286,7 +190,7 @@ class Trade {
     fmt::print("{:<60} {:>5} cells across, {} steps, {:.3g} s: {}\n", run.name, run.scene.cells_x,
                outcome.steps, outcome.cpu_seconds,
                outcome.record.contains("discharge")
-                   ? fmt::format("discharge {:.5g}", scalar(outcome.record, "discharge"))
+                   ? fmt::format("discharge {:.5g}", first_of(outcome.record, "discharge"))
                    : name_of(outcome.status));
     std::fflush(stdout);
     return outcome;
@@ -539,7 +443,7 @@ class Trade {
   TradeOptions o_;
   Scene balanced_;
   fs::path folder_;
-  std::optional<Store> store_;
+  std::optional<TradeStore> store_;
   Record reference_;
   TradeResult result_;
   bool interrupted_ = false;
@@ -548,7 +452,7 @@ class Trade {
 }  // namespace
 
 double TradeResult::number(const Record& record, const Quantity& quantity) {
-  return scalar(record, quantity.key);
+  return first_of(record, quantity.key);
 }
 
 double TradeResult::seconds(const Row& row) const {

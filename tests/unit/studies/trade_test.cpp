@@ -12,6 +12,7 @@
 #include "io/files.hpp"
 #include "io/scene_yaml.hpp"
 #include "studies/pareto.hpp"
+#include "studies/trade_store.hpp"
 #include "tests/support/make_scene.hpp"
 
 using namespace hourglass;
@@ -236,6 +237,10 @@ TEST_CASE("a trade names its points and goes on where it was killed", "[picture]
     throw std::runtime_error("nothing is to be run");
   };
   CHECK(trade(again));
+  {
+    const TradeStore other(again.out, load_scene(again.out / "scene.yaml").scene, false);
+    CHECK_THROWS_WITH(trade(again), Catch::Contains("another trade is at work"));
+  }
   again.sets = {"time.end=20"};
   CHECK_THROWS_WITH(trade(again), Catch::Contains("another scene"));
 }
