@@ -5,15 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 
-#include "io/csv.hpp"
 #include "io/progress.hpp"
 #include "io/scene_yaml.hpp"
 #include "solver/diagnostics.hpp"
 #include "studies/pareto.hpp"
+#include "studies/trade_store.hpp"
 
 namespace hourglass {
 namespace fs = std::filesystem;
@@ -28,100 +26,6 @@ constexpr double hopeless = 0.2;  ///< error of the discharge on a grid where no
 constexpr double ill_posed_share = 0.01;  ///< of cells: beyond, differences may be noise
 const std::string tight =
     "accuracy={preset: accurate, pressure_tolerance: 1e-9, precision: full, extrapolate: 0}";
-
-const std::vector<std::string> columns{"run",        "group",          "cells_x",
-                                       "cells",      "steps",          "repeats",
-                                       "status",     "cpu_seconds",    "wall_seconds",
-                                       "pace",       "spent_seconds",  "missed_tolerances",
-                                       "ill_posed",  "discharge_rate", "quasi_static_fraction",
-                                       "mass_error", "reason"};
-
-std::string text_of(double x) { return fmt::format("{}", x); }
-
-double scalar(const Record& record, const char* key) {
-  const auto at = record.find(key);
-  return at == record.end() || at->second.empty() ? NAN : at->second.front();
-}
-
-std::string file_name(const std::string& run) {
-  std::string out;
-  for (const char c : run)
-    out += std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-' ? c : '_';
-  return out + ".csv";
-}
-
-std::string content_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-/// What is done, on disk; goes on where an earlier process was stopped.
-class Store {
- public:
-  Store(const fs::path& folder, const Scene& balanced, bool force) : folder_(folder) {
-    const fs::path scene = folder / "scene.yaml", runs = folder / "runs.csv";
-    if (force) {
-      fs::remove(runs);
-      fs::remove_all(folder / "runs");
-    } else if (fs::exists(runs) && content_of(scene) != to_yaml(balanced)) {
-      throw std::invalid_argument(
-          fmt::format("{}: holds the trade of another scene (scene.yaml). Choose another folder "
-                      "with --out, or replace it with --force.",
-                      folder.string()));
-    }
-    fs::create_directories(folder / "runs");
-    write_atomically(scene, to_yaml(balanced));
-    ledger_.emplace(runs, columns);
-  }
-
-  std::optional<TradeOutcome> find(const std::string& run) const {
-    const Ledger::Row* row = ledger_->find(run);
-    if (!row) return std::nullopt;
-    TradeOutcome o;
-    const auto number = [&](const char* column) { return std::stod(row->at(column)); };
-    for (const Status s : {Status::finished, Status::stopped, Status::diverged, Status::interrupted})
-      if (row->at("status") == name_of(s)) o.status = s;
-    o.reason = row->at("reason");
-    o.cells = std::stol(row->at("cells"));
-    o.steps = std::stol(row->at("steps"));
-    o.missed_tolerances = std::stol(row->at("missed_tolerances"));
-    o.repeats = std::stoi(row->at("repeats"));
-    o.cpu_seconds = number("cpu_seconds");
-    o.wall_seconds = number("wall_seconds");
-    o.pace = number("pace");
-    o.spent_seconds = number("spent_seconds");
-    o.ill_posed = number("ill_posed");
-    if (o.status == Status::finished || o.status == Status::stopped) o.record = read_record(record_of(run));
-    return o;
-  }
-  void add(const TradeRun& run, const TradeOutcome& o) {
-    write_record(record_of(run.name), o.record);
-    ledger_->add({{"run", run.name},
-                  {"group", run.group},
-                  {"cells_x", fmt::format("{}", run.scene.cells_x)},
-                  {"cells", fmt::format("{}", o.cells)},
-                  {"steps", fmt::format("{}", o.steps)},
-                  {"repeats", fmt::format("{}", o.repeats)},
-                  {"status", name_of(o.status)},
-                  {"cpu_seconds", text_of(o.cpu_seconds)},
-                  {"wall_seconds", text_of(o.wall_seconds)},
-                  {"pace", text_of(o.pace)},
-                  {"spent_seconds", text_of(o.spent_seconds)},
-                  {"missed_tolerances", fmt::format("{}", o.missed_tolerances)},
-                  {"ill_posed", text_of(o.ill_posed)},
-                  {"discharge_rate", text_of(scalar(o.record, "discharge"))},
-                  {"quasi_static_fraction", text_of(scalar(o.record, "quasi_static"))},
-                  {"mass_error", text_of(scalar(o.record, "mass_defect"))},
-                  {"reason", o.reason}});
-  }
-  const std::vector<Ledger::Row>& rows() const { return ledger_->rows(); }
-
- private:
-  fs::path record_of(const std::string& run) const { return folder_ / "runs" / file_name(run); }
-
-  fs::path folder_;
-  std::optional<Ledger> ledger_;
-};
 
 class Trade {
  public:
@@ -160,6 +64,7 @@ class Trade {
       return true;
     }
     if (!run_combinations()) return false;
+    add_extrapolations();
     compare();
     name_points(result_);
     write_trade(result_, folder_);
@@ -287,7 +192,7 @@ class Trade {
     fmt::print("{:<60} {:>5} cells across, {} steps, {:.3g} s: {}\n", run.name, run.scene.cells_x,
                outcome.steps, outcome.cpu_seconds,
                outcome.record.contains("discharge")
-                   ? fmt::format("discharge {:.5g}", scalar(outcome.record, "discharge"))
+                   ? fmt::format("discharge {:.5g}", first_of(outcome.record, "discharge"))
                    : name_of(outcome.status));
     std::fflush(stdout);
     return outcome;
@@ -483,10 +388,64 @@ class Trade {
     return true;
   }
 
+  // ---- extrapolation -----------------------------------------------------------------------------------------
+
+  static bool usable(const TradeResult::Row& row) {
+    return !row.failed() && !row.run.variant.model && row.outcome.record.contains("discharge");
+  }
+
+  static TradeResult::Row extrapolated(const std::vector<const TradeResult::Row*>& grids) {
+    TradeResult::Row row = *grids.front();
+    row.run.group = "extrapolation";
+    row.run.variant.sets.push_back(fmt::format("accuracy.extrapolate={}", grids.size() - 1));
+    row.run.name = row.run.variant.name();
+    for (const char* key : {"discharge", "quasi_static"}) {
+      std::vector<double> values;
+      for (auto grid = grids.rbegin(); grid != grids.rend(); ++grid)
+        values.push_back((*grid)->outcome.record.at(key).front());
+      row.outcome.record[key] = {richardson(values).value};
+    }
+    double cpu = 0, wall = 0, paces = 0;
+    for (const TradeResult::Row* grid : grids) {
+      cpu += grid->outcome.cpu_seconds;
+      wall += grid->outcome.wall_seconds;
+      paces += grid->outcome.cpu_seconds / grid->outcome.pace;
+    }
+    row.outcome.cpu_seconds = cpu;
+    row.outcome.wall_seconds = wall;
+    row.outcome.pace = cpu / paces;
+    return row;
+  }
+
+  /// What accuracy.extrapolate makes of the runs at hand: those that differ in nothing but their grid, each with half the
+  /// cells of the next.
+  void add_extrapolations() {
+    const auto rest = [](const TradeRun& run) {
+      std::vector<std::string> sets = run.variant.sets;
+      std::erase_if(sets, [](const std::string& s) { return s.starts_with("grid.cells_x="); });
+      return sets;
+    };
+    std::vector<TradeResult::Row> rows;
+    for (const TradeResult::Row& finest : result_.rows) {
+      std::vector<const TradeResult::Row*> grids{&finest};  // the finest first
+      for (int divisor = 2; divisor <= 4 && std::ssize(grids) == divisor / 2; divisor *= 2) {
+        const auto coarser =
+            std::find_if(result_.rows.begin(), result_.rows.end(), [&](const TradeResult::Row& row) {
+              return divisor * row.run.scene.cells_x == finest.run.scene.cells_x &&
+                     rest(row.run) == rest(finest.run) && usable(row);
+            });
+        if (coarser == result_.rows.end() || !usable(finest)) break;
+        grids.push_back(&*coarser);
+        rows.push_back(extrapolated(grids));
+      }
+    }
+    result_.rows.insert(result_.rows.end(), rows.begin(), rows.end());
+  }
+
   TradeOptions o_;
   Scene balanced_;
   fs::path folder_;
-  std::optional<Store> store_;
+  std::optional<TradeStore> store_;
   Record reference_;
   TradeResult result_;
   bool interrupted_ = false;
@@ -495,7 +454,7 @@ class Trade {
 }  // namespace
 
 double TradeResult::number(const Record& record, const Quantity& quantity) {
-  return scalar(record, quantity.key);
+  return first_of(record, quantity.key);
 }
 
 double TradeResult::seconds(const Row& row) const {

@@ -15,7 +15,7 @@ namespace hourglass {
 /// What is to be run.
 struct TradeRun {
   std::string name;
-  std::string group;  ///< balanced, reference, ensemble, lever, combination
+  std::string group;  ///< balanced, reference, ensemble, lever, combination, extrapolation
   Variant variant;
   Scene scene;
   unsigned noise = 0;  ///< seed of the noise in the initial velocity; 0: none
@@ -29,7 +29,7 @@ struct TradeOutcome {
   long cells = 0, steps = 0, missed_tolerances = 0;
   int repeats = 0;
   double cpu_seconds = 0, wall_seconds = 0;  ///< medians of the repeats
-  double pace = 0;           ///< processor seconds of the same few steps of the balanced run, just before
+  double pace = 0;  ///< processor seconds of the same few steps of the balanced run, just before and after
   double spent_seconds = 0;  ///< of wall clock, all repeats together
   double ill_posed = 0;      ///< largest share of cells where mu(I) is ill-posed, once developed
   Record record{};

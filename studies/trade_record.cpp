@@ -79,6 +79,11 @@ std::vector<std::array<double, 2>> probes_of(const Scene& scene) {
 
 }  // namespace
 
+double first_of(const Record& record, const char* quantity) {
+  const auto at = record.find(quantity);
+  return at == record.end() || at->second.empty() ? NAN : at->second.front();
+}
+
 double size_of(const Quantity& quantity, const std::vector<double>& values) {
   double sum = 0;
   for (const double v : values) sum += quantity.relative ? v * v : std::abs(v);

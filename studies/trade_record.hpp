@@ -32,6 +32,8 @@ inline constexpr std::array<Quantity, 7> quantities{{
 /// Numbers of each quantity by its key, in the same order whatever the grid; a quantity that the run has not is missing.
 using Record = std::map<std::string, std::vector<double>>;
 
+/// The first number of a quantity; NaN if it is missing.
+double first_of(const Record& record, const char* quantity);
 /// Size of the numbers of a quantity: L2 or mean absolute value.
 double size_of(const Quantity& quantity, const std::vector<double>& values);
 /// NaN where either is missing; the mass defect is its own error.

@@ -21,7 +21,7 @@ bool is_mass_defect(const Quantity& q) { return q.key == std::string("mass_defec
 std::string percent(const Quantity& q, double error) {
   if (!std::isfinite(error)) return "–";
   if (is_mass_defect(q)) return fmt::format("{:.1e}", error);
-  return fmt::format("{:.2g} %", 100 * error);
+  return error < 1 ? fmt::format("{:.2g} %", 100 * error) : fmt::format("{:.0f} %", 100 * error);
 }
 
 /// Quantities that the reference has.
@@ -206,16 +206,23 @@ std::string levers_text(const TradeResult& result) {
   out += "\n\n" + table_head(known, "setting");
   for (const bool model : {false, true})
     for (const Row& row : result.rows)
-      if (row.run.group != "combination" && row.run.variant.model == model)
+      if ((row.run.group == "balanced" || row.run.group == "lever") && row.run.variant.model == model)
         out += table_row(result, row, known,
                          fmt::format("`{}`{}", row.run.name, model ? " (another model)" : ""));
-  if (std::any_of(result.rows.begin(), result.rows.end(),
-                  [](const Row& r) { return r.run.group == "combination"; })) {
-    out += "\n## Combinations\n\n" + table_head(known, "setting");
+  const auto add = [&](const char* group, const std::string& head) {
+    const auto is_of = [&](const Row& row) { return row.run.group == group; };
+    if (std::none_of(result.rows.begin(), result.rows.end(), is_of)) return;
+    out += head + table_head(known, "setting");
     for (const Row& row : result.rows)
-      if (row.run.group == "combination")
-        out += table_row(result, row, known, fmt::format("`{}`", row.run.name));
-  }
+      if (is_of(row)) out += table_row(result, row, known, fmt::format("`{}`", row.run.name));
+  };
+  add("combination", "\n## Combinations\n\n");
+  add("extrapolation",
+      "\n## Extrapolated from coarser grids\n\nDischarge rate and quasi-static share by Richardson from runs "
+      "above on this "
+      "grid and on one or two with half the\ncells of the next, the rest from the finest; the time is that "
+      "of all of "
+      "them.\n\n");
   return out;
 }
 
