@@ -12,6 +12,7 @@
 #include "io/scene_writer.hpp"
 #include "io/yaml_tree.hpp"
 #include "solver/solids.hpp"
+#include "solver/steady_flow.hpp"
 
 namespace hourglass {
 
@@ -158,6 +159,7 @@ Loaded load_scene(const std::filesystem::path& path, const std::vector<std::stri
   reader.finish(root);
   apply_scales(scene, root, reader.findings);
   const bool outlet_added = open_outlet(scene);
+  resolve_model(scene);
 
   struct Placed {
     int line;
