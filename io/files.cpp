@@ -74,9 +74,11 @@ void reserve_write(const std::filesystem::path& path, std::size_t bytes) {
   reserve_room(beside, bytes);
 }
 
-AppendFile::AppendFile(const std::filesystem::path& path)
+AppendFile::AppendFile(const std::filesystem::path& path, Start start)
     : path_(path),
-      descriptor_(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0666)) {
+      descriptor_(::open(path.c_str(),
+                         O_WRONLY | O_CREAT | (start == Start::empty ? O_TRUNC : 0) | O_APPEND | O_CLOEXEC,
+                         0666)) {
   if (descriptor_ < 0) fail(path, errno);
 }
 

@@ -16,7 +16,8 @@ void reserve_write(const std::filesystem::path& path, std::size_t bytes);
 /// Grows by whole pieces: one that does not fit on the disk is taken back before append() throws.
 class AppendFile {
  public:
-  explicit AppendFile(const std::filesystem::path& path);  ///< empties the file
+  enum class Start { empty, at_end };
+  explicit AppendFile(const std::filesystem::path& path, Start start = Start::empty);
   ~AppendFile();
   AppendFile(const AppendFile&) = delete;
   AppendFile& operator=(const AppendFile&) = delete;

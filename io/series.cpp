@@ -2,18 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "io/csv.hpp"
+
 namespace hourglass {
-namespace {
-
-std::string csv_cell(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string out = "\"";
-  for (const char c : text) out.append(c == '"' ? 2 : 1, c);
-  return out + '"';
-}
-
-}  // namespace
-
 std::string series_header(const Scene& scene) {
   std::string out = "t,step,dt,mass,outflow";
   for (std::size_t k = 0; k < scene.orifices.size(); ++k) out += fmt::format(",outflow_{}", k);

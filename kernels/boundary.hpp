@@ -122,13 +122,9 @@ inline void fill_velocity_halo(const Boundary& b, XFaceField& u, YFaceField& v) 
   }
   for (int j = 0; j <= ny; ++j) {
     double* r = v.row(j);
-    if (b.periodic_x) {
-      wrap_row(r, nx);
-    } else {
-      r[-1] = r[-2] = ghost_factor(b.left.shear[j]) * r[0];
-      if (b.mirror_left) mirror_row(r, nx);
-      r[nx] = r[nx + 1] = ghost_factor(b.right.shear[j]) * r[nx - 1];
-    }
+    r[-1] = r[-2] = ghost_factor(b.left.shear[j]) * r[0];
+    r[nx] = r[nx + 1] = ghost_factor(b.right.shear[j]) * r[nx - 1];
+    fill_ends(b.ends(), r, nx);
   }
   for (int i = -halo; i <= nx + halo; ++i) {
     const int k = b.periodic_x ? (i + 2 * nx) % nx : i < 0 ? (b.mirror_left ? -i : 0) : i > nx ? nx : i;
@@ -148,10 +144,10 @@ void fill_cell_halo(const Boundary& b, CellFieldOf<T>& c) {
   for (int j = 0; j < ny; ++j) {
     T* r = c.row(j);
     for (int k = 1; k <= halo; ++k) {
-      r[-k] = b.periodic_x ? r[nx - k] : r[0];
-      r[nx - 1 + k] = b.periodic_x ? r[k - 1] : r[nx - 1];
+      r[-k] = r[0];
+      r[nx - 1 + k] = r[nx - 1];
     }
-    if (b.mirror_left) mirror_row(r, nx);
+    fill_ends(b.ends(), r, nx);
   }
   for (int k = 1; k <= halo; ++k)
     for (int i = -halo; i < nx + halo; ++i) {

@@ -53,16 +53,9 @@ inline void fill_vof_halo(Ends ends, Rows rows, CellField& c) {
   const auto beyond = [](double edge, double inside) { return std::clamp(2 * edge - inside, 0.0, 1.0); };
   for (int j = rows.begin; j < rows.end; ++j) {
     double* row = c.row(j);
-    if (ends.periodic) {
-      for (int i = 0; i < halo; ++i) {
-        row[i - halo] = row[nx + i - halo];
-        row[nx + i] = row[i];
-      }
-    } else {
-      row[-1] = beyond(row[0], row[nx > 1 ? 1 : 0]);
-      if (ends.mirror) mirror_row(row, nx);
-      row[nx] = beyond(row[nx - 1], row[nx > 1 ? nx - 2 : 0]);
-    }
+    row[-1] = beyond(row[0], row[nx > 1 ? 1 : 0]);
+    row[nx] = beyond(row[nx - 1], row[nx > 1 ? nx - 2 : 0]);
+    fill_ends(ends, row, nx);
   }
   const auto continue_row = [&](int out, int edge, int inside) {
     for (int i = -halo; i < nx + halo; ++i) c(i, out) = beyond(c(i, edge), c(i, inside));

@@ -5,9 +5,13 @@
 
 namespace hourglass {
 
+static int face_count(Side side, const Patch& patch) {
+  return side == Side::left || side == Side::right ? patch.ny : patch.nx;
+}
+
 std::vector<OpenFace> faces_of(const Orifice& o, const Patch& patch) {
   const bool vertical = o.wall == Side::left || o.wall == Side::right;
-  const int n = vertical ? patch.ny : patch.nx;
+  const int n = face_count(o.wall, patch);
   const auto in_cells = [&](double at) {
     const double cells = (at - (vertical ? patch.y0 : patch.x0)) / patch.h;
     const double edge = std::round(cells);
@@ -39,14 +43,13 @@ std::vector<WayOut> ways_out_of(const Scene& scene, const Boundary& boundary) {
   for (const Side side : {Side::left, Side::right, Side::bottom, Side::top}) {
     if (scene.wall(side) != Wall::open) continue;
     ways.push_back({side, -1, {}});
-    for (int f = 0; f < (side == Side::left || side == Side::right ? patch.ny : patch.nx); ++f)
-      ways.back().faces.push_back({f, 1});
+    for (int f = 0; f < face_count(side, patch); ++f) ways.back().faces.push_back({f, 1});
   }
   return ways;
 }
 
 static SideFaces side_of(const Scene& scene, const Patch& patch, Side side) {
-  const int n = side == Side::left || side == Side::right ? patch.ny : patch.nx;
+  const int n = face_count(side, patch);
   const bool slips = side == Side::left && scene.left_is_middle();
   const Wall wall = slips ? Wall::free_slip : scene.wall(side);
   SideFaces faces;

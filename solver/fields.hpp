@@ -2,7 +2,7 @@
 // Everything that evolves from step to step; allocated once.
 #include <vector>
 
-#include "kernels/velocity.hpp"
+#include "kernels/geometry.hpp"
 
 namespace hourglass {
 
@@ -23,5 +23,11 @@ struct Fields : Velocity {
     if (nonlocal) fluidity = CellField(patch);
   }
 };
+
+/// Shares of grains and tracers in the cells of solids (fill_solid). Call from one member.
+inline void fill_solid_shares(const Geometry& geometry, Fields& fields) {
+  fill_solid(geometry, fields.grains);
+  for (CellField& tracer : fields.tracers) fill_solid(geometry, tracer);
+}
 
 }  // namespace hourglass

@@ -33,8 +33,7 @@ class FreeSurface {
   const CellField& liquid() const { return liquid_; }
   /// What is beside a face: liquid or falling grains, or neither; a closed one stays closed.
   enum Kind : char { closed, air_beside, grains_beside };
-  /// Whether row k of the faces (row_of) moves at face i: grains on either side.
-  bool moves(int k, int i) const { return row_of(kind_, k).data[i] == grains_beside; }
+  const VelocityOf<char>& kind() const { return kind_; }
 
   /// Velocity of faces with air on both sides: mean of those beside that move, or 0. Call from one member.
   void extrapolate(Velocity& w) const;

@@ -71,9 +71,8 @@ class Builder {
   Builder(const Scene& scene, const Boundary& boundary)
       : scene_(scene), boundary_(boundary), patch_(scene.patch()) {}
 
-  std::unique_ptr<Geometry> build() {
+  std::unique_ptr<Geometry> build(std::vector<Polygon> solids) {
     const Patch fine{2 * patch_.nx, 2 * patch_.ny, 0.5 * patch_.h, patch_.x0, patch_.y0};
-    std::vector<Polygon> solids = solids_of(scene_);
     if (scene_.accuracy.solids == SolidModel::staircase) solids = staircase(solids);
     const Halves halves(snapped(std::move(solids), fine), fine, boundary_.ends());
     geometry_ = std::make_unique<Geometry>();
@@ -408,11 +407,7 @@ class Builder {
     invert(g.volume, g.inverse_volume);
     invert(g.aperture.u, g.inverse_aperture.u);
     invert(g.aperture.v, g.inverse_aperture.v);
-    if (boundary_.periodic_x) {
-      for (int j = 0; j < patch_.ny; ++j) wrap_row(g.volume.row(j), patch_.nx);
-    } else if (boundary_.mirror_left) {
-      for (int j = 0; j < patch_.ny; ++j) mirror_row(g.volume.row(j), patch_.nx);
-    }
+    for (int j = 0; j < patch_.ny; ++j) fill_ends(boundary_.ends(), g.volume.row(j), patch_.nx);
     for (int j = 0; j < patch_.ny; ++j)
       for (int i = 0; i < patch_.nx; ++i) {
         if (g.volume(i, j) > 0) continue;
@@ -444,8 +439,9 @@ bool within_faces(const SideFaces& side) {
 std::unique_ptr<Geometry> geometry_of(const Scene& scene, const Boundary& boundary) {
   const bool partly = within_faces(boundary.left) || within_faces(boundary.right) ||
                       within_faces(boundary.bottom) || within_faces(boundary.top);
-  if (solids_of(scene).empty() && !partly && !scene.axisymmetric()) return nullptr;
-  return Builder(scene, boundary).build();
+  std::vector<Polygon> solids = solids_of(scene);
+  if (solids.empty() && !partly && !scene.axisymmetric()) return nullptr;
+  return Builder(scene, boundary).build(std::move(solids));
 }
 
 }  // namespace hourglass

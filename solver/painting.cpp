@@ -8,8 +8,8 @@
 
 namespace hourglass {
 
-void paint(const Scene& scene, const Geometry* geometry, CellField& filled, std::vector<CellField>& tracers) {
-  const Patch& patch = filled.patch();
+void paint(const Scene& scene, const Geometry* geometry, Fields& fields) {
+  const Patch& patch = fields.patch();
   std::vector<Polygon> polygons;
   for (const Fill& f : scene.fill) polygons.emplace_back(f.points.begin(), f.points.end());
   const std::size_t fills = polygons.size();
@@ -31,14 +31,11 @@ void paint(const Scene& scene, const Geometry* geometry, CellField& filled, std:
       double grains = 0;
       for (double s : share) grains += s;
       const double rounding = std::abs(grains - 1) < 1e-12 ? 1 / grains : 1;
-      filled(i, j) = std::clamp(grains * rounding, 0.0, 1.0);
-      for (std::size_t k = 0; k < tracers.size(); ++k)
-        tracers[k](i, j) = std::clamp(share[k + 1] * rounding, 0.0, filled(i, j));
+      fields.grains(i, j) = std::clamp(grains * rounding, 0.0, 1.0);
+      for (std::size_t k = 0; k < fields.tracers.size(); ++k)
+        fields.tracers[k](i, j) = std::clamp(share[k + 1] * rounding, 0.0, fields.grains(i, j));
     }
-  if (geometry) {
-    fill_solid(*geometry, filled);
-    for (CellField& tracer : tracers) fill_solid(*geometry, tracer);
-  }
+  if (geometry) fill_solid_shares(*geometry, fields);
 }
 
 }  // namespace hourglass

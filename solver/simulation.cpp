@@ -10,15 +10,19 @@
 #include "solver/diagnostics.hpp"
 #include "solver/painting.hpp"
 #include "solver/simulation_state.hpp"
-#include "solver/solids.hpp"
 #include "solver/time_step.hpp"
 
 namespace hourglass {
 
+Fields fields_of(const Scene& scene) {
+  return Fields(scene.patch(), static_cast<int>(scene.materials.size()), scene.nonlocal.has_value(),
+                scene.dilatancy.has_value());
+}
+
 int threads_of(const Scene& scene) { return scene.threads > 0 ? scene.threads : omp_get_num_procs(); }
 
 void Simulation::Impl::fill() {
-  paint(scene, geometry.get(), fields.grains, fields.tracers);
+  paint(scene, geometry.get(), fields);
   for (std::size_t k = 0; k < fields.solid.size(); ++k)  // at rest: phi_max
     fields.solid[k] = k == 0 ? fields.grains : fields.tracers[k - 1];
   fill_cell_halo(boundary, fields.grains);
@@ -49,8 +53,7 @@ void Simulation::Impl::fit_height() {
   geometry = geometry_of(solved, boundary);
   ways_out = ways_out_of(solved, boundary);
   const Fields before = std::move(fields);
-  fields = Fields(solved.patch(), static_cast<int>(scene.materials.size()), scene.nonlocal.has_value(),
-                  scene.dilatancy.has_value());
+  fields = fields_of(solved);
   const auto take = [](const auto& from, auto& to) {
     for (int j = 0; j < std::min(from.ny(), to.ny()); ++j)
       std::copy(from.row(j), from.row(j) + from.nx(), to.row(j));
@@ -170,8 +173,7 @@ StepReport Simulation::step(double t_limit) {
   Impl& s = *impl_;
   s.fit_height();
   StepReport report;
-  if (s.geometry) fill_solid(*s.geometry, s.fields);
-  fill_velocity_halo(s.boundary, s.fields.u, s.fields.v);  // cheap, and callers may have set the velocity
+  s.stepper->fill_halo(s.fields);  // cheap, and callers may have set the velocity
   const auto start = Clock::now();
   s.threads = s.governor.next();
   s.stepper->set_threads(s.threads);

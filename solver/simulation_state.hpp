@@ -15,13 +15,13 @@ namespace hourglass {
 
 /// Threads that a scene asks for.
 int threads_of(const Scene& scene);
+/// The arrays that it needs.
+Fields fields_of(const Scene& scene);
 
 struct Simulation::Impl {
   explicit Impl(const Scene& s)
       : scene(s), solved(s), boundary(boundary_of(solved)), geometry(geometry_of(solved, boundary)),
-        ways_out(ways_out_of(solved, boundary)), threads(threads_of(scene)),
-        fields(scene.patch(), static_cast<int>(scene.materials.size()), scene.nonlocal.has_value(),
-               scene.dilatancy.has_value()),
+        ways_out(ways_out_of(solved, boundary)), threads(threads_of(scene)), fields(fields_of(solved)),
         stepper(make_stepper(solved, boundary, geometry.get(), threads)),
         governor(threads), rows{RowSums(fields.p.ny()), RowSums(fields.p.ny())},
         orifice_mass(scene.orifices.size()), orifice_material(scene.materials.size()) {}

@@ -181,8 +181,8 @@ SteadyFlow steady_flow(const Scene& given) {
   const auto geometry = geometry_of(scene, boundary_of(scene));
   const int threads = threads_of(scene);
   SteadyFlow flow;
-  Fields fields(patch, 1);
-  paint(scene, geometry.get(), fields.grains, fields.tracers);
+  Fields fields = fields_of(scene);
+  paint(scene, geometry.get(), fields);
   flow.velocity_x = flow.velocity_y = CellField(patch);
   if (scene.model == Model::radial) flow.pressure = CellField(patch);
   const double still = quasi_static_speed(scene);

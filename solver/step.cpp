@@ -74,6 +74,12 @@ class StepperOf final : public Stepper {
     report.max_divergence = report.pressure.final;
   }
 
+  void fill_halo(Fields& fields) const override {
+    if (surface_) surface_->extrapolate(fields);
+    if (geometry_) fill_solid(*geometry_, fields);
+    fill_velocity_halo(boundary_, fields.u, fields.v);
+  }
+
   void hydrostatic(Fields& fields) override {
     transport_mass(fields, 0);
     parallel(threads_, [&](Team& team) {
@@ -123,12 +129,6 @@ class StepperOf final : public Stepper {
   }
 
  private:
-  void fill_halo(Fields& fields) {
-    if (surface_) surface_->extrapolate(fields);
-    if (geometry_) fill_solid(*geometry_, fields);
-    fill_velocity_halo(boundary_, fields.u, fields.v);
-  }
-
   /// Density at n+1 and the mass that VOF carried through each face.
   void transport_mass(const Fields& fields, double dt) {
     const int nx = patch_.nx, ny = patch_.ny;

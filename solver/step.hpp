@@ -23,6 +23,8 @@ class Stepper {
   /// Advances fields by dt. in: fields with velocity halos; out: the same at n+1. Fills the solver part of
   /// the report.
   virtual void step(Fields& fields, double dt, bool x_first, Timers& timers, StepReport& report) = 0;
+  /// What lies in solids, in air that is not solved, and in the halo of the velocity follows from the rest.
+  virtual void fill_halo(Fields& fields) const = 0;
   /// Pressure that holds the present densities still against gravity, where walls allow it.
   virtual void hydrostatic(Fields& fields) = 0;
   /// Projects the velocity in fields, at any density.

@@ -39,8 +39,9 @@ void ViscousSolve<T>::assemble(Team& team, const CellField& eta, bool harmonic, 
   }
   for (int k = 2 * rows.begin; surface_ && k < std::min(2 * rows.end, row_count(a.mass)); ++k) {
     const auto m = row_of(a.mass, k);
-    for (int i = 0; i < m.n; ++i)
-      if (!surface_->moves(k, i)) m.data[i] = 0;
+    const char* kind = row_of(surface_->kind(), k).data;
+#pragma omp simd
+    for (int i = 0; i < m.n; ++i) m.data[i] *= T(kind[i] == FreeSurface::grains_beside);
   }
   if (with_modules && drag.force) add_drag(rows, drag, u, star);
   team.sync();

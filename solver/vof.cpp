@@ -16,8 +16,7 @@ void Vof::advect(Fields& fields, double dt, bool x_first, int threads) {
   parallel(members, [&](Team& team) {
     const Rows rows = team.rows(fields.patch().ny);
     freeze_dilation(fields.grains, fields.tracers, rows, owner_);
-    fill_vof_halo(ends_, rows, fields.grains);
-    for (CellField& tracer : fields.tracers) fill_vof_halo(ends_, rows, tracer);
+    fill_halos(rows, fields);
     if (geometry_) {
       const Rows faces = team.rows(row_count(carrier_));
       for (int k = faces.begin; k < faces.end; ++k) {
@@ -48,20 +47,21 @@ void Vof::sweep(Team& team, Fields& fields, const Field<face>& velocity, double 
   } else {
     apply_fluxes<face, true>(flux, velocity, dt_h, owner_, {}, rows, fields.grains, fields.tracers, excess_);
   }
-  fill_vof_halo(ends_, rows, fields.grains);
-  for (CellField& tracer : fields.tracers) fill_vof_halo(ends_, rows, tracer);
+  fill_halos(rows, fields);
   team.sync();
   if (geometry_ && !geometry_->ghosts.empty()) {
-    if (team.leads()) {
-      fill_solid(*geometry_, fields.grains);
-      for (CellField& tracer : fields.tracers) fill_solid(*geometry_, tracer);
-    }
+    if (team.leads()) fill_solid_shares(*geometry_, fields);
     team.sync();
   }
   if (excess_.max() > 0) {  // the same answer for every member
     if (team.leads()) put_back(fields);
     team.sync();
   }
+}
+
+void Vof::fill_halos(Rows rows, Fields& fields) const {
+  fill_vof_halo(ends_, rows, fields.grains);
+  for (CellField& tracer : fields.tracers) fill_vof_halo(ends_, rows, tracer);
 }
 
 // Serial and in the order of the rows: few cells need it, and it does not depend on the number of threads.
@@ -117,8 +117,7 @@ void Vof::put_back(Fields& fields) {
     repair(
         fields.tracers[k], [&](int i, int j) { return grains(i, j) - taken(k, i, j); },
         [&](int i, int j) { return grains(i, j) - taken(fields.tracers.size(), i, j); });
-  fill_vof_halo(ends_, {0, ny}, fields.grains);
-  for (CellField& tracer : fields.tracers) fill_vof_halo(ends_, {0, ny}, tracer);
+  fill_halos({0, ny}, fields);
 }
 
 std::size_t Vof::bytes() const {

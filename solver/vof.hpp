@@ -47,6 +47,7 @@ class Vof {
   template <At face>
   void sweep(Team& team, Fields& fields, const Field<face>& velocity, double dt_h,
              std::span<Field<face>> flux);
+  void fill_halos(Rows rows, Fields& fields) const;
   void put_back(Fields& fields);
 
   Ends ends_;

@@ -1,5 +1,7 @@
 #pragma once
 // Scenes for solver tests, in C++.
+#include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "solver/simulation.hpp"
@@ -10,6 +12,24 @@ inline Fill fill_box(int material, double x0, double x1, double y0, double y1) {
   return {material, {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}};
 }
 
+/// An insert of that bounding box, or with those corners.
+inline Insert insert_of(Shape shape, double x, double y, double width, double height) {
+  return {.shape = shape, .centre = {x, y}, .width = width, .height = height, .points = {}};
+}
+inline Insert insert_of(std::vector<std::array<double, 2>> corners) {
+  return {.shape = Shape::polygon, .points = std::move(corners)};
+}
+
+/// Greatest component of the velocity.
+inline double fastest(const Fields& f) {
+  double speed = 0;
+  for (int j = 0; j <= f.p.ny(); ++j)
+    for (int i = 0; i <= f.p.nx(); ++i)
+      speed =
+          std::max({speed, j < f.p.ny() ? std::abs(f.u(i, j)) : 0, i < f.p.nx() ? std::abs(f.v(i, j)) : 0});
+  return speed;
+}
+
 /// Well posed over I in [0.0136, 1.81] (Lagree, Staron & Popinet 2011); Scene's default set is nowhere.
 inline Material well_posed_grains() {
   Material m;
@@ -17,6 +37,16 @@ inline Material well_posed_grains() {
   m.delta_mu = 0.28;
   m.I_0 = 0.4;
   return m;
+}
+
+/// A scene that check() has nothing to say about.
+inline Scene sound_scene() {
+  Scene s;
+  s.fill = {fill_box(0, 0, 150, 0, 135)};
+  s.orifices = {Orifice{}};
+  s.time.end = 1;
+  s.materials[0] = {.name = "beads", .mu_s = 0.32, .delta_mu = 0.28, .I_0 = 0.4};
+  return s;
 }
 
 /// The base scene of the reference thesis: 150 d x 150 d filled to 135 d, one orifice in the floor. No output.

@@ -14,21 +14,6 @@ using namespace hourglass;
 
 namespace {
 
-Insert polygon(std::vector<std::array<double, 2>> points) {
-  Insert insert;
-  insert.shape = Shape::polygon;
-  insert.points = std::move(points);
-  return insert;
-}
-Insert insert_of(Shape shape, double x, double y, double width, double height) {
-  Insert insert;
-  insert.shape = shape;
-  insert.centre = {x, y};
-  insert.width = width;
-  insert.height = height;
-  return insert;
-}
-
 /// A channel through the unit square between two polygons, gravity 1 along it, both ends open.
 struct Channel {
   double width, angle;                           // [degrees]
@@ -42,7 +27,7 @@ struct Channel {
     Scene s = newtonian(1, 1, cells, {1});
     for (int side : {-1, 1}) {
       const double wall = 0.5 * side * width, far = 3 * side;
-      s.inserts.push_back(polygon({at(-3, wall), at(3, wall), at(3, far), at(-3, far)}));
+      s.inserts.push_back(insert_of({at(-3, wall), at(3, wall), at(3, far), at(-3, far)}));
     }
     s.gravity = {tx, ty};
     s.walls = {Wall::open, Wall::open, Wall::open, Wall::open};
@@ -133,8 +118,8 @@ TEST_CASE("channel flow between walls within cells: second order, periodic") {
         s.walls[0] = s.walls[1] = Wall::periodic;
         s.walls[3] = Wall::no_slip;
         s.gravity = {1e-3, 0};
-        s.inserts = {polygon({{-1, -1}, {2, -1}, {2, low}, {-1, low}}),
-                     polygon({{-1, high}, {2, high}, {2, 2}, {-1, 2}})};
+        s.inserts = {insert_of({{-1, -1}, {2, -1}, {2, low}, {-1, low}}),
+                     insert_of({{-1, high}, {2, high}, {2, 2}, {-1, 2}})};
         s.accuracy.solids = model;
         Simulation simulation(s);
         run_to_steady(simulation, 1e-11, 100);
@@ -256,15 +241,6 @@ void past_cylinder_study(std::vector<int> grids, int finest_grid) {
   CHECK(stairs.back() > velocities.back());
 }
 
-double fastest(const Fields& f) {
-  double speed = 0;
-  for (int j = 0; j <= f.p.ny(); ++j)
-    for (int i = 0; i <= f.p.nx(); ++i)
-      speed =
-          std::max({speed, j < f.p.ny() ? std::abs(f.u(i, j)) : 0, i < f.p.nx() ? std::abs(f.v(i, j)) : 0});
-  return speed;
-}
-
 struct Named {
   const char* name;
   std::vector<Insert> inserts;
@@ -279,7 +255,7 @@ std::vector<Named> all_shapes() {
           {"triangle_up", {insert_of(Shape::triangle_up, x, y, w, w)}},
           {"triangle_down", {insert_of(Shape::triangle_down, x, y, w, w)}},
           {"circle", {insert_of(Shape::circle, x, y, w, w)}},
-          {"polygon", {polygon({{50, 45}, {95, 52}, {70, 60}, {88, 85}, {55, 78}})}},
+          {"polygon", {insert_of({{50, 45}, {95, 52}, {70, 60}, {88, 85}, {55, 78}})}},
           {"overlapping", {circle, insert_of(Shape::diamond, 80, y + 5, w, w)}}};
 }
 
@@ -398,13 +374,13 @@ void expect_account(const char* name, int cells, const Drained& d) {
 TEST_CASE("a square turned by 45 degrees is the diamond") {
   const double x = 75, y = 56.25, a = 18.75;
   const Insert diamond = insert_of(Shape::diamond, x, y, 2 * a, 2 * a);
-  const Insert same = polygon({{x, y - a}, {x + a, y}, {x, y + a}, {x - a, y}});
+  const Insert same = insert_of({{x, y - a}, {x + a, y}, {x, y + a}, {x - a, y}});
   const double side = a * std::sqrt(2.0), c = std::cos(M_PI / 4), d = std::sin(M_PI / 4);
   std::vector<std::array<double, 2>> corners;
   for (const auto& [p, q] : {std::array{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}})
     corners.push_back({x + side * (c * p - d * q), y + side * (d * p + c * q)});
   const double of_diamond = drain(64, {diamond}, 16).rate(), of_same = drain(64, {same}, 16).rate(),
-               turned = drain(64, {polygon(corners)}, 16).rate();
+               turned = drain(64, {insert_of(corners)}, 16).rate();
   figure("diamond %.9g, polygon %.9g, turned square %.9g", of_diamond, of_same, turned);
   CHECK(of_same == of_diamond);
   CHECK(turned == Approx(of_diamond).epsilon(1e-6));
@@ -412,8 +388,8 @@ TEST_CASE("a square turned by 45 degrees is the diamond") {
 
 TEST_CASE("between polygons that make a hopper no grain is lost, and they are the hopper") {
   const double rise = 50;
-  const std::vector<Insert> walls{polygon({{0, 0}, {65.625, 0}, {0, rise}}),
-                                  polygon({{84.375, 0}, {150, 0}, {150, rise}})};
+  const std::vector<Insert> walls{insert_of({{0, 0}, {65.625, 0}, {0, rise}}),
+                                  insert_of({{84.375, 0}, {150, 0}, {150, rise}})};
   const Drained d = drain(64, walls, 16);
   expect_account("two polygons", 64, d);
   Scene s = silo(64, 16);

@@ -15,15 +15,6 @@ using namespace hourglass;
 
 namespace {
 
-Insert insert_of(Shape shape, double x, double y, double width, double height) {
-  Insert insert;
-  insert.shape = shape;
-  insert.centre = {x, y};
-  insert.width = width;
-  insert.height = height;
-  return insert;
-}
-
 /// A silo with a tracer layer, solved tightly.
 Scene tight_silo(int cells) {
   Scene s = silo(cells);

@@ -20,15 +20,6 @@ Scene tank(double filled_to, bool open, Precision precision) {
   return s;
 }
 
-double fastest(const Fields& f) {
-  double speed = 0;
-  for (int j = 0; j <= f.p.ny(); ++j)
-    for (int i = 0; i <= f.p.nx(); ++i)
-      speed =
-          std::max({speed, j < f.p.ny() ? std::abs(f.u(i, j)) : 0, i < f.p.nx() ? std::abs(f.v(i, j)) : 0});
-  return speed;
-}
-
 }  // namespace
 
 TEST_CASE("a tank at rest stays at rest") {

@@ -5,22 +5,15 @@
 #include <functional>
 #include <limits>
 
+#include "tests/support/make_scene.hpp"
+
 using namespace hourglass;
 
 namespace {
 
-Scene sound() {
-  Scene s;
-  s.fill = {{0, {{0, 0}, {150, 0}, {150, 135}, {0, 135}}}};
-  s.orifices = {Orifice{}};
-  s.time.end = 1;
-  s.materials[0] = {.name = "beads", .mu_s = 0.32, .delta_mu = 0.28, .I_0 = 0.4};
-  return s;
-}
-
 /// The problem that a change to a sound scene makes; it must be the only one.
 Problem only_problem(const std::function<void(Scene&)>& change) {
-  Scene s = sound();
+  Scene s = sound_scene();
   change(s);
   const std::vector<Problem> problems = check(s);
   for (const Problem& p : problems) UNSCOPED_INFO(p.path << ": " << p.message);
@@ -39,8 +32,8 @@ constexpr bool error = true, warning = false;
 }  // namespace
 
 TEST_CASE("a sound scene has no problems, and its patch has square cells") {
-  CHECK(check(sound()).empty());
-  Scene s = sound();
+  CHECK(check(sound_scene()).empty());
+  Scene s = sound_scene();
   s.height = 75;
   CHECK(s.patch() == Patch{128, 64, 150.0 / 128, 0, 0});
 }
@@ -66,7 +59,7 @@ TEST_CASE("well-posed ranges of I agree with published parameter sets") {
 }
 
 TEST_CASE("scales of dimensional defaults") {
-  Scene s = sound();
+  Scene s = sound_scene();
   s.materials[0].diameter = 1e-3;
   s.materials[0].density = 1500;
   s.gravity = {0, -10};
@@ -159,11 +152,11 @@ TEST_CASE("the grid: whole height, multigrid, memory; the cures work") {
   expect(only_problem([](Scene& s) { s.cells_x = 1 << 20; }), error, "grid.cells_x",
          {"600 bytes a cell", "this machine has", "Use cells_x <= "});
   for (const int cells_x : {144, 152}) {
-    Scene s = sound();
+    Scene s = sound_scene();
     s.cells_x = cells_x;
     CHECK(check(s).empty());
   }
-  Scene s = sound();
+  Scene s = sound_scene();
   s.height = 159.375;
   CHECK(check(s).empty());
 }
@@ -185,7 +178,7 @@ TEST_CASE("orifices: inside the wall, wide enough, apart; the cures work") {
            s.orifices.push_back({Side::bottom, 84.375, 18.75});
          }),
          error, "orifices.1.centre", {"overlaps orifice 0 by 9.375"});
-  Scene s = sound();
+  Scene s = sound_scene();
   s.orifices.push_back({Side::bottom, 93.75, 18.75});  // touches
   s.orifices.push_back({Side::left, 75, 18.75});
   CHECK(check(s).empty());
@@ -198,7 +191,7 @@ TEST_CASE("walls: periodic sides come in a pair, left and right") {
          {"no_slip", "Make both periodic"});
   expect(only_problem([](Scene& s) { s.walls[3] = Wall::periodic; }), error, "walls.top",
          {"Only left and right can be periodic"});
-  Scene s = sound();
+  Scene s = sound_scene();
   s.walls[0] = s.walls[1] = Wall::periodic;
   CHECK(check(s).empty());
 }
@@ -233,7 +226,7 @@ TEST_CASE("fills: at least one with grains inside the domain, convex") {
   for (int k = 0; k < 5; ++k)
     pentagram.push_back({75 + 9 * std::cos(k * 0.8 * M_PI), 75 + 9 * std::sin(k * 0.8 * M_PI)});
   expect(only_problem([&](Scene& s) { s.fill.push_back({0, pentagram}); }), error, "fill.1", {"not convex"});
-  Scene s = sound();
+  Scene s = sound_scene();
   std::reverse(s.fill[0].points.begin(), s.fill[0].points.end());  // clockwise is as good
   CHECK(check(s).empty());
 }
@@ -249,12 +242,12 @@ TEST_CASE("no material, and nothing that ends the run") {
   for (const auto& end : std::vector<std::function<void(Scene&)>>{
            [](Scene& s) { s.time.max_steps = 1; }, [](Scene& s) { s.stop.mass_below = 0.5; },
            [](Scene& s) { s.stop.steady_discharge = 0.1; }}) {
-    Scene s = sound();
+    Scene s = sound_scene();
     s.time.end = 0;
     end(s);
     CHECK(check(s).empty());
   }
-  Scene closed = sound();  // grains cannot leave, so their mass stops nothing
+  Scene closed = sound_scene();  // grains cannot leave, so their mass stops nothing
   closed.orifices.clear();
   CHECK(check(closed).empty());
   closed.stop.mass_below = 0.5;
@@ -275,7 +268,7 @@ TEST_CASE("warnings on the rheology") {
            s.rheology.smoothing_length = 0;
          }),
          warning, "materials.beads", {"nothing holds them"});
-  Scene coulomb = sound();
+  Scene coulomb = sound_scene();
   coulomb.materials[0].delta_mu = 0;
   const std::vector<Problem> problems = check(coulomb);
   REQUIRE(problems.size() == 2);
@@ -284,7 +277,7 @@ TEST_CASE("warnings on the rheology") {
 }
 
 TEST_CASE("several problems are all reported") {
-  Scene s = sound();
+  Scene s = sound_scene();
   s.time.cfl = 2;
   s.materials[0].mu_s = -1;
   s.orifices[0].width = 1.5;

@@ -5,6 +5,8 @@
 #include <functional>
 #include <limits>
 
+#include "tests/support/make_scene.hpp"
+
 using namespace hourglass;
 
 namespace {
@@ -12,21 +14,9 @@ namespace {
 Insert solid(Shape shape, double x, double y, double width, double height = 0) {
   return {.shape = shape, .centre = {x, y}, .width = width, .height = height, .points = {}};
 }
-Insert polygon(std::vector<std::array<double, 2>> points) {
-  return {.shape = Shape::polygon, .points = std::move(points)};
-}
-
-Scene sound() {
-  Scene s;
-  s.fill = {{0, {{0, 0}, {150, 0}, {150, 135}, {0, 135}}}};
-  s.orifices = {Orifice{}};
-  s.time.end = 1;
-  s.materials[0] = {.name = "beads", .mu_s = 0.32, .delta_mu = 0.28, .I_0 = 0.4};
-  return s;
-}
 
 Scene with(std::vector<Insert> inserts) {
-  Scene s = sound();
+  Scene s = sound_scene();
   s.inserts = std::move(inserts);
   return s;
 }
@@ -81,7 +71,7 @@ TEST_CASE("outlines have the areas and the boxes of their shapes") {
         Case{solid(Shape::diamond, 75, 60, 30, 20), 300},
         Case{solid(Shape::triangle_up, 75, 60, 30, 20), 300},
         Case{solid(Shape::triangle_down, 75, 60, 30, 20), 300},
-        Case{solid(Shape::circle, 75, 60, 30), 225 * M_PI}, Case{polygon({{0, 0}, {3, 0}, {0, 4}}), 6}}) {
+        Case{solid(Shape::circle, 75, 60, 30), 225 * M_PI}, Case{insert_of({{0, 0}, {3, 0}, {0, 4}}), 6}}) {
     const Polygon outline = outline_of(insert);
     INFO(shape_names[static_cast<int>(insert.shape)]);
     CHECK(area(outline) == Approx(expected).epsilon(1e-12));
@@ -122,7 +112,7 @@ TEST_CASE("polygons that are not convex are cut into convex pieces of the same a
 }
 
 TEST_CASE("walls of a hopper rise from the outlet to the sides, or to the top") {
-  Scene s = sound();
+  Scene s = sound_scene();
   s.hopper = Hopper{45, 30};
   using Points = std::vector<Polygon>;
   const auto near = [](const Points& found, const Points& expected) {
@@ -151,7 +141,7 @@ TEST_CASE("walls of a hopper rise from the outlet to the sides, or to the top") 
 }
 
 TEST_CASE("the outlet of a hopper is an orifice if there is none at the bottom") {
-  Scene s = sound();
+  Scene s = sound_scene();
   s.hopper = Hopper{30, 20};
   open_outlet(s);
   CHECK(s.orifices.size() == 1);  // its own stays
@@ -173,7 +163,7 @@ TEST_CASE("sound inserts: inside, cut by the sides, touching, overlapping") {
     const bool one_size = shape == 0 || shape == 5;
     expect_clean(with({solid(static_cast<Shape>(shape), 75, 56.25, 37.5, one_size ? 0 : 37.5)}));
   }
-  expect_clean(with({polygon(star(75, 70, 30, 12, 10))}));
+  expect_clean(with({insert_of(star(75, 70, 30, 12, 10))}));
   expect_clean(
       with({solid(Shape::square, 0, 70, 20), solid(Shape::circle, 150, 60, 30)}));  // cut by the sides
   expect_clean(with({solid(Shape::circle, 40, 60, 20), solid(Shape::circle, 60, 60, 20)}));  // touch
@@ -192,19 +182,20 @@ TEST_CASE("inserts: sizes, corners, place") {
   expect(with({solid(Shape::square, 75, 60, 20, 30)}), "inserts.0.height",
          {"30 is not the width, 20. Use shape rectangle."});
   expect(with({solid(Shape::square, nan, 60, 20)}), "inserts.0.centre", {"is not finite"});
-  expect(with({polygon({{60, 60}, {90, 60}})}), "inserts.0.points", {"has 2 corners (3 to 1000)"});
-  expect(with({polygon({{60, 60}, {90, 60}, {75, nan}})}), "inserts.0.points", {"corner that is not finite"});
-  expect(with({polygon({{60, 60}, {90, 90}, {90, 60}, {60, 90}})}), "inserts.0.points",
+  expect(with({insert_of({{60, 60}, {90, 60}})}), "inserts.0.points", {"has 2 corners (3 to 1000)"});
+  expect(with({insert_of({{60, 60}, {90, 60}, {75, nan}})}), "inserts.0.points",
+         {"corner that is not finite"});
+  expect(with({insert_of({{60, 60}, {90, 90}, {90, 60}, {60, 90}})}), "inserts.0.points",
          {"crosses or touches itself at [75, 75]. Give the corners in order around it, each once."});
-  expect(with({polygon({{60, 60}, {90, 60}, {90, 90}, {60, 60}})}), "inserts.0.points", {"at [60, 60]"});
-  expect(with({polygon({{60, 60}, {90, 60}, {75, 60}})}), "inserts.0.points", {"touches itself"});
+  expect(with({insert_of({{60, 60}, {90, 60}, {90, 90}, {60, 60}})}), "inserts.0.points", {"at [60, 60]"});
+  expect(with({insert_of({{60, 60}, {90, 60}, {75, 60}})}), "inserts.0.points", {"touches itself"});
   expect(with({solid(Shape::square, 200, 60, 20)}), "inserts.0",
          {"lies outside the domain (x 0 to 150, y 0 to 150). Move it inside, or remove it."});
   expect(with({solid(Shape::square, 75, 60, 30), solid(Shape::circle, 75, 100, 1.5)}), "inserts.1",
          {"is 1.28 cells across (must be at least 2). Use cells_x >= 200, or make it larger."});
   expect(with({solid(Shape::rectangle, 75, 100, 1e-300, 20)}), "inserts.0",
          {"is 0 cells across (must be at least 2). Use a finer grid, or make it larger."});
-  expect(with({polygon({{40, 60}, {80, 100}, {81, 100}, {41, 60}})}), "inserts.0",
+  expect(with({insert_of({{40, 60}, {80, 100}, {81, 100}, {41, 60}})}), "inserts.0",
          {"is 0.603 cells across"});  // a slanted plate
 }
 
@@ -270,18 +261,18 @@ TEST_CASE("openings are not covered, nor cut off from grains") {
   expect(s, "fill", {"all of its grains lie inside of solids"});
 
   // a ring around grains of its own, and two diamonds that touch with their tips
-  const Insert c = polygon({{50, 50},
-                            {100, 50},
-                            {100, 100},
-                            {50, 100},
-                            {50, 60},
-                            {60, 60},
-                            {60, 90},
-                            {90, 90},
-                            {90, 60},
-                            {70, 60},
-                            {70, 55},
-                            {50, 55}});
+  const Insert c = insert_of({{50, 50},
+                              {100, 50},
+                              {100, 100},
+                              {50, 100},
+                              {50, 60},
+                              {60, 60},
+                              {60, 90},
+                              {90, 90},
+                              {90, 60},
+                              {70, 60},
+                              {70, 55},
+                              {50, 55}});
   expect_clean(with({c}));
   expect(with({c, solid(Shape::square, 57, 57, 16)}), "inserts",
          {"an area of ", " about [", "is cut off from every opening and treated as solid."}, false);
@@ -294,7 +285,7 @@ TEST_CASE("openings are not covered, nor cut off from grains") {
 
 TEST_CASE("hoppers: angle, outlet, bottom") {
   const auto scene = [](double half_angle, double outlet) {
-    Scene s = sound();
+    Scene s = sound_scene();
     s.hopper = Hopper{half_angle, outlet};
     return s;
   };
@@ -317,7 +308,7 @@ TEST_CASE("hoppers: angle, outlet, bottom") {
 
 TEST_CASE("half a domain: the left edge is a mirror plane or an axis") {
   const auto scene = [] {
-    Scene s = sound();
+    Scene s = sound_scene();
     s.symmetry = Symmetry::mirror;
     s.walls[0] = Wall::free_slip;
     s.orifices[0].centre = 0;
@@ -351,7 +342,7 @@ TEST_CASE("half a domain: the left edge is a mirror plane or an axis") {
 }
 
 TEST_CASE("feed: a material, and a level in the domain") {
-  Scene s = sound();
+  Scene s = sound_scene();
   s.feed = Feed{0, 135};
   expect_clean(s);
   for (const double level : {0.0, 151.0, std::numeric_limits<double>::quiet_NaN()}) {
@@ -366,7 +357,7 @@ TEST_CASE("thirty inserts of all shapes") {
   std::vector<Insert> all;
   for (int k = 0; k < 30; ++k) {
     const double x = 15 + 24 * (k % 6), y = 30 + 20 * (k / 6);
-    all.push_back(k % 7 == 6 ? polygon(star(x, y, 8, 4, 100))
+    all.push_back(k % 7 == 6 ? insert_of(star(x, y, 8, 4, 100))
                              : solid(static_cast<Shape>(k % 7), x, y, 12, k % 7 == 0 || k % 7 == 5 ? 0 : 12));
   }
   expect_clean(with(all));
