@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "io/files.hpp"
+#include "io/fit_run.hpp"
 #include "io/forecast.hpp"
 #include "io/plan.hpp"
 #include "io/provenance.hpp"
@@ -48,6 +50,8 @@ struct Arguments {
   std::vector<std::string> sets, overlays;
   RenderOptions render;
   std::optional<double> budget;
+  std::optional<double> fit_time;
+  std::string csv;
   int threads = -1;
   bool resume = false, force = false, quiet = false, dry_run = false;
 };
@@ -94,6 +98,13 @@ int run(const Arguments& a) {
   std::vector<std::string> warnings;
   for (const Diagnostic& d : loaded.diagnostics) warnings.push_back(d.text());
   warnings.insert(warnings.end(), loaded.notes.begin(), loaded.notes.end());
+  if (loaded.scene.model != Model::mu_I) {
+    const SteadyFlow flow = steady_flow(loaded.scene);
+    RunFolder folder(loaded.scene, to_yaml(loaded.scene), {a.out, a.force, a.quiet}, warnings);
+    folder.write(flow);
+    folder.finish(flow.summary);
+    return finished;
+  }
   SignalWatch watch;
   Simulation simulation(loaded.scene);  // before the folder: if memory is short nothing is written
   begin(simulation);
@@ -115,6 +126,13 @@ int render(Arguments a) {
   return render_run(a.run, a.render);
 }
 
+int fit(const Arguments& a) {
+  const RunFit fitted = fit_run(a.run, a.fit_time);
+  fmt::print("{}", text_of(fitted));
+  if (!a.csv.empty()) write_atomically(a.csv, csv_of(fitted));
+  return finished;
+}
+
 /// What a run of the scene would be. Writes nothing.
 int plan(const Arguments& a) {
   const Loaded loaded = load(a);
@@ -122,6 +140,11 @@ int plan(const Arguments& a) {
   if (!loaded.ok()) return wrong_input;
   const Scene& scene = loaded.scene;
   const Patch patch = scene.patch();
+  if (scene.model != Model::mu_I) {
+    fmt::print("{}: {} x {} cells of side {:.6g}\n\n{}", a.scene, patch.nx, patch.ny, patch.h,
+               steady_text(scene));
+    return finished;
+  }
   fmt::print(
       "{}: {} x {} cells of side {:.6g}\n\nSwitched on\n{}\nWell-posedness, C(I) of Barker et al. 2015\n{}",
       a.scene, patch.nx, patch.ny, patch.h, text_of(switches_of(scene)), well_posedness_text(scene));
@@ -137,6 +160,10 @@ int check(const Arguments& a) {
   if (!loaded.ok()) return wrong_input;
   const Patch patch = loaded.scene.patch();
   fmt::print("{}: the scene is sound, {} x {} cells of side {:.6g}.\n", a.scene, patch.nx, patch.ny, patch.h);
+  if (loaded.scene.model != Model::mu_I) {
+    fmt::print("{}", steady_text(loaded.scene));
+    return finished;
+  }
   fmt::print("Well-posedness, C(I) of Barker et al. 2015:\n{}", well_posedness_text(loaded.scene));
   const SolveStats stats = project_noise(loaded.scene);
   fmt::print(
@@ -207,6 +234,18 @@ int main(int argc, char** argv) {
       ->check(CLI::PositiveNumber);
   trade_command->add_flag("--force", a.force, "begin anew in the same folder");
   trade_command->add_flag("--dry-run", a.dry_run, "print the runs and about how long they take");
+  CLI::App* fit_command =
+      app.add_subcommand("fit", "B and Q of the kinematic model that comes nearest to a stored run");
+  fit_command->add_option("run", a.run, "run folder")
+      ->required()
+      ->type_name("RUN")
+      ->check(CLI::ExistingDirectory);
+  fit_command
+      ->add_option("--time", a.fit_time,
+                   "fit to the frame nearest to this time (default: the first developed)")
+      ->type_name("T");
+  fit_command->add_option("--csv", a.csv, "write velocities of run and fit at ten heights: x, y, v, v_fit")
+      ->type_name("FILE");
 
   CLI::App* render_command = app.add_subcommand("render", "draw pictures from a stored run");
   render_command->add_option("run", a.run, "run folder")
@@ -246,6 +285,7 @@ int main(int argc, char** argv) {
     if (*check_command) return check(a);
     if (*plan_command) return plan(a);
     if (*trade_command) return trade(a);
+    if (*fit_command) return fit(a);
     return render(a);
   } catch (const std::invalid_argument& error) {  // what was asked for cannot be: nothing was written
     fmt::print(stderr, "{}\n", error.what());

@@ -8,6 +8,7 @@
 #include "io/frame.hpp"
 #include "kernels/strain_rate.hpp"
 #include "solver/grain_properties.hpp"
+#include "solver/steady_flow.hpp"
 
 namespace hourglass {
 namespace {
@@ -195,6 +196,43 @@ std::string well_posedness_text(const Scene& scene) {
   std::string text;
   for (const Material& m : scene.materials) text += fmt::format("  {}: {}", m.name, well_posedness(scene, m));
   return text;
+}
+
+std::string steady_text(const Scene& given) {
+  Scene scene = given;
+  resolve_model(scene);
+  const auto form = [](OrificeForm f) {
+    return f == OrificeForm::slot ? "as wide as they are" : "as points";
+  };
+  std::string text;
+  double Q = 0;
+  if (scene.model == Model::kinematic) {
+    const Kinematic& k = *scene.kinematic;
+    Q = *k.Q;
+    text = fmt::format("Model kinematic: dv/dy = B d2v/dx2, u = -B dv/dx, B = {:.6g}, orifices {}\n", *k.B,
+                       form(k.orifices));
+  } else if (scene.model == Model::stochastic) {
+    const Stochastic& k = *scene.stochastic;
+    Q = *k.Q;
+    text = fmt::format("Model stochastic: spots of L_s = {:.6g} drift and diffuse upwards, orifices {}{}\n",
+                       *k.L_s, form(k.orifices),
+                       k.spot > 0 ? fmt::format(", averaged over {:.6g} along x", k.spot) : "");
+  } else {
+    const Radial& r = *scene.radial;
+    Q = *r.Q;
+    const auto field = radial_field(radial_hopper(scene));
+    const auto wall = field ? field->at(*r.half_angle * M_PI / 180) : RadialField::Point{};
+    text = fmt::format(
+        "Model radial: {} of half-angle {:.6g}, phi = {:.6g}, phi_w = {:.6g} degrees\n"
+        "  stress q = {:.6g} on the axis, {:.6g} at the wall; speed at the wall {:.6g} of that on the axis\n",
+        scene.axisymmetric() ? "cone" : "wedge", *r.half_angle, *r.phi, *r.phi_w,
+        field ? field->q_axis() : NAN, wall.q, wall.f);
+  }
+  return text + fmt::format(
+                    "  discharge Q = {:.6g}, which the model is given and does not predict\n"
+                    "One steady field in closed form, one frame; nothing is stepped: {} cells, well under a "
+                    "second, pictures apart.\n",
+                    Q, scene.patch().cells());
 }
 
 std::vector<ArrayGroup> arrays_of(const Simulation& simulation) {

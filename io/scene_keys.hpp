@@ -61,7 +61,25 @@ void visit_scene(Visitor& v, Scene& s) {
   });
   v.map("grid", [&] { v.integer_or("auto", "cells_x", s.cells_x); });
   v.pair("gravity", s.gravity, si ? "in SI units, e.g. [0, -9.81]" : nullptr);
-  v.fixed("model", "mu_I", {"kinematic", "stochastic", "radial"});
+  v.choice("model", s.model, model_names);
+  v.module("kinematic", s.kinematic, [&](Kinematic& k) {
+    v.number("B", k.B);
+    v.number("Q", k.Q);
+    v.choice("orifices", k.orifices, orifice_form_names);
+  });
+  v.module("stochastic", s.stochastic, [&](Stochastic& k) {
+    v.number("L_s", k.L_s);
+    v.number("Q", k.Q);
+    v.choice("orifices", k.orifices, orifice_form_names);
+    v.number("spot", k.spot);
+  });
+  v.module("radial", s.radial, [&](Radial& r) {
+    v.number("phi", r.phi);
+    v.number("phi_w", r.phi_w);
+    v.number("half_angle", r.half_angle);
+    v.number("Q", r.Q);
+    v.choice("wall_angle", r.wall_angle, wall_angle_names);
+  });
   v.map("air", [&] {
     v.choice("model", s.air.model, air_model_names);
     v.number("density", s.air.density);

@@ -38,7 +38,6 @@ class SceneWriter {
     line(key, words[static_cast<int>(value)]);
     return true;
   }
-  void fixed(const char* key, const char* word, std::initializer_list<const char*>) { line(key, word); }
   template <std::size_t n>
   bool word(const char*, int&, const std::array<const char*, n>&) {
     return false;

@@ -13,6 +13,7 @@
 #include "io/start.hpp"
 #include "io/yaml_tree.hpp"
 #include "solver/solids.hpp"
+#include "solver/steady_flow.hpp"
 
 namespace hourglass {
 
@@ -200,6 +201,7 @@ Loaded load_scene(const std::filesystem::path& path, const std::vector<std::stri
   choose_cells(root, loaded, reader.findings);
 
   find_start(root, scene, reader.findings);
+  resolve_model(scene);
 
   struct Placed {
     int line;

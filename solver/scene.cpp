@@ -125,7 +125,7 @@ bool check_domain(const Scene& s, Problems& p) {
     return false;
   }
   const int ny = static_cast<int>(std::lround(cells_y));
-  if (!coarsens(s.cells_x, ny)) {
+  if (s.model == Model::mu_I && !coarsens(s.cells_x, ny)) {  // others solve nothing on it
     const auto [cx, cy] = coarsest(s.cells_x, ny);
     p.error(
         "grid.cells_x",
@@ -207,7 +207,7 @@ void check_materials(const Scene& s, Problems& p) {
                 "Law newtonian takes it from here.");
     } else {
       if (m.viscosity != 0) p.warn(path + ".viscosity", "is not used: only law newtonian reads it.");
-      if (sound) check_well_posed(s, m, path, p);
+      if (sound && s.model == Model::mu_I) check_well_posed(s, m, path, p);
     }
   }
   const bool air =
@@ -551,11 +551,14 @@ std::vector<Problem> check(const Scene& scene) {
   check_fill(scene, domain_sound, problems);
   check_feed(scene, problems);
   check_openings(scene, domain_sound, problems);
-  check_solids(scene, domain_sound, problems);
   check_numerics(scene, problems);
   check_modules(scene, problems);
-  check_time(scene, problems);
-  check_extrapolation(scene, problems);
+  if (scene.model == Model::mu_I) {
+    check_extrapolation(scene, problems);
+    check_solids(scene, domain_sound, problems);
+    check_time(scene, problems);
+  }
+  check_model(scene, problems);
   return problems.list;
 }
 

@@ -10,6 +10,7 @@
 
 #include "kernels/granular_laws.hpp"
 #include "kernels/patch.hpp"
+#include "solver/models/radial.hpp"
 
 namespace hourglass {
 
@@ -22,6 +23,12 @@ inline constexpr std::array side_names{"left", "right", "bottom", "top"};
 /// `periodic` comes in the pair left, right.
 enum class Wall { no_slip, free_slip, open, periodic };
 inline constexpr std::array wall_names{"no_slip", "free_slip", "open", "periodic"};
+/// What answers: mu_I solves the flow in time; the others are steady fields in closed form (docs/models.md).
+enum class Model { mu_I, kinematic, stochastic, radial };
+inline constexpr std::array model_names{"mu_I", "kinematic", "stochastic", "radial"};
+/// Orifices of the models kinematic and stochastic: as wide as they are, or all flow through their centres.
+enum class OrificeForm { slot, point };
+inline constexpr std::array orifice_form_names{"slot", "point"};
 enum class Law { mu_I, mu_I_regularised, newtonian };
 inline constexpr std::array law_names{"mu_I", "mu_I_regularised", "newtonian"};
 /// How the viscosity of slow grains meets eta_max: cut off there, or smoothly, by adding (mu_s P / eta_max)^2 to
@@ -51,6 +58,8 @@ inline constexpr std::array edge_rule_names{"half_wall", "free", "wall"};
 /// closed tank still.
 enum class StartPressure { zero, hydrostatic };
 inline constexpr std::array start_pressure_names{"zero", "hydrostatic"};
+/// What holds at the wall of the radial model: solver/models/radial.hpp.
+inline constexpr std::array wall_angle_names{"friction", "thesis"};
 /// Precision inside the preconditioner and the Krylov directions; unknowns and residuals are always double.
 enum class Precision { mixed, full };
 inline constexpr std::array precision_names{"mixed", "full"};
@@ -190,6 +199,38 @@ struct WallFriction {
   bool operator==(const WallFriction&) const = default;
 };
 
+// Parameters of the models that are fields in closed form. What is not given here resolve_model() fills in.
+
+/// solver/models/kinematic.hpp
+struct Kinematic {
+  std::optional<double> B{};  ///< [L] > 0; 2 d
+  std::optional<double>
+      Q{};  ///< discharge rate of all orifices of the whole silo [M/T] > 0; discharge_scale() of each
+  OrificeForm orifices = OrificeForm::slot;
+  bool operator==(const Kinematic&) const = default;
+};
+
+/// solver/models/stochastic.hpp
+struct Stochastic {
+  std::optional<double> L_s{};  ///< size of a spot [L] > 0; 4 d
+  std::optional<double> Q{};    ///< as above
+  OrificeForm orifices = OrificeForm::slot;
+  double spot = 0;  ///< width over which the flow is averaged along x [L] >= 0
+  bool operator==(const Stochastic&) const = default;
+};
+
+/// solver/models/radial.hpp; angles in degrees. A wedge, around an axis a cone.
+struct Radial {
+  std::optional<double> phi{};    ///< of internal friction, above 0, below 90; asin(mu_s)
+  std::optional<double> phi_w{};  ///< of wall friction, above 0, at most phi; phi/2
+  std::optional<double>
+      half_angle{};           ///< of the walls against the vertical; that of the hopper, or without one the
+                              ///< slope of the angle of repose, 90 - phi
+  std::optional<double> Q{};  ///< as above
+  WallAngle wall_angle = WallAngle::friction;
+  bool operator==(const Radial&) const = default;
+};
+
 struct TimeControl {
   double end = 0;          ///< [T]; 0: no limit by time
   double cfl = 0.5;        ///< max |u| dt / h near grains, in (0, 0.5]
@@ -248,6 +289,10 @@ struct Scene {
   Coordinates coordinates = Coordinates::cartesian;
   int cells_x = 128;                     ///< square cells: cells_y = cells_x height / width
   std::array<double, 2> gravity{0, -1};  ///< [L/T^2]
+  Model model = Model::mu_I;
+  std::optional<Kinematic> kinematic;  ///< these three each for the model of its name
+  std::optional<Stochastic> stochastic;
+  std::optional<Radial> radial;
   Air air;
   std::vector<Material> materials{Material{}};
   std::vector<Fill> fill;  ///< not read with a start

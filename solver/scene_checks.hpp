@@ -59,4 +59,7 @@ void check_openings(const Scene& scene, bool domain_sound, Problems& problems);
 /// Inserts, the hopper, and the ways that they leave. Call after the fills and the openings.
 void check_solids(const Scene& scene, bool domain_sound, Problems& problems);
 
+/// What a model in closed form cannot honour or does not use, and its parameters. Call last.
+void check_model(const Scene& scene, Problems& problems);
+
 }  // namespace hourglass

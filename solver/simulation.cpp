@@ -7,10 +7,9 @@
 #include <random>
 #include <stdexcept>
 
-#include "kernels/polygon.hpp"
 #include "solver/diagnostics.hpp"
+#include "solver/painting.hpp"
 #include "solver/simulation_state.hpp"
-#include "solver/solids.hpp"
 #include "solver/time_step.hpp"
 
 namespace hourglass {
@@ -22,35 +21,8 @@ Fields fields_of(const Scene& scene) {
 
 int threads_of(const Scene& scene) { return scene.threads > 0 ? scene.threads : omp_get_num_procs(); }
 
-/// Shares of a cell are the areas of the fills that no later fill hides, exactly.
 void Simulation::Impl::fill() {
-  const Patch& patch = fields.patch();
-  std::vector<Polygon> polygons;
-  for (const Fill& f : scene.fill) polygons.emplace_back(f.points.begin(), f.points.end());
-  const std::size_t fills = polygons.size();
-  std::vector<Polygon> with_solids = polygons;
-  for (Polygon& solid : solids_of(scene)) with_solids.push_back(std::move(solid));
-  std::vector<double> share(scene.materials.size());
-  for (int j = 0; j < patch.ny; ++j)
-    for (int i = 0; i < patch.nx; ++i) {
-      std::fill(share.begin(), share.end(), 0.0);
-      const double open = geometry ? geometry->open_share(i, j) : 1;
-      if (open == 0) continue;
-      for (std::size_t k = 0; k < fills; ++k) {
-        if (scene.fill[k].material < 0) continue;
-        const Polygon part = part_in(polygons[k], patch.x_corner(i), patch.y_corner(j), patch.x_corner(i + 1),
-                                     patch.y_corner(j + 1));
-        share[scene.fill[k].material] +=
-            visible_area(part, open < 1 ? with_solids : polygons, k + 1) / (patch.h * patch.h * open);
-      }
-      double grains = 0;
-      for (double s : share) grains += s;
-      const double rounding = std::abs(grains - 1) < 1e-12 ? 1 / grains : 1;
-      fields.grains(i, j) = std::clamp(grains * rounding, 0.0, 1.0);
-      for (std::size_t k = 0; k < fields.tracers.size(); ++k)
-        fields.tracers[k](i, j) = std::clamp(share[k + 1] * rounding, 0.0, fields.grains(i, j));
-    }
-  if (geometry) fill_solid_shares(*geometry, fields);
+  paint(scene, geometry.get(), fields);
   for (std::size_t k = 0; k < fields.solid.size(); ++k)  // at rest: phi_max
     fields.solid[k] = k == 0 ? fields.grains : fields.tracers[k - 1];
   fill_cell_halo(boundary, fields.grains);
@@ -252,7 +224,11 @@ SeriesRow Simulation::Impl::row(const StepReport& report) const {
   return r;
 }
 
-Simulation::Simulation(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {
+Simulation::Simulation(const Scene& scene) {
+  if (scene.model != Model::mu_I)
+    throw std::invalid_argument(fmt::format("model {} is a steady field: there is nothing to step in time",
+                                            model_names[static_cast<int>(scene.model)]));
+  impl_ = std::make_unique<Impl>(scene);
   impl_->fill();
   if (scene.start_pressure == StartPressure::hydrostatic) impl_->stepper->hydrostatic(impl_->fields);
 }
@@ -416,6 +392,18 @@ std::size_t tracer_number(const std::string& field) {
 bool has_module(const Scene& scene, const std::string& module) {
   return (module == "nonlocal" && scene.nonlocal) || (module == "dilatancy" && scene.dilatancy) ||
          (module == "wall_friction" && scene.wall_friction);
+}
+
+bool has_field(const Scene& scene, const FieldInfo& field) {
+  if (scene.model != Model::mu_I) {
+    static constexpr std::array steady{"speed", "velocity_x", "velocity_y", "grains"};
+    const std::string name = field.name;
+    return std::ranges::find(steady, name) != steady.end() ||
+           (scene.model == Model::radial && name == "pressure");
+  }
+  if (field.name == std::string("tracer")) return scene.materials.size() > 1;
+  if (const std::size_t k = tracer_number(field.name); k > 0) return k < scene.materials.size();
+  return !field.module || has_module(scene, field.module);
 }
 
 const std::vector<FieldInfo>& known_fields() {

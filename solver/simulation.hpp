@@ -101,7 +101,8 @@ class Observer {
 
 class Simulation {
  public:
-  /// Allocates everything and fills the domain. The scene must be free of fatal problems (check()).
+  /// Allocates everything and fills the domain. The scene must be free of fatal problems (check()) and of model mu_I;
+  /// std::invalid_argument for another, which steady_flow() is for.
   explicit Simulation(const Scene& scene);
   ~Simulation();
 
@@ -155,5 +156,8 @@ std::size_t tracer_number(const std::string& field);
 
 /// Whether a scene has the block of this name under physics: ("nonlocal", "dilatancy", "wall_friction").
 bool has_module(const Scene& scene, const std::string& module);
+
+/// Whether a run of the scene has the field: by its model, modules and materials.
+bool has_field(const Scene& scene, const FieldInfo& field);
 
 }  // namespace hourglass

@@ -52,7 +52,7 @@ class CommandLine(unittest.TestCase):
         return result
 
     def test_help_and_version(self):
-        for command in ([], ["run"], ["check"], ["plan"], ["render"], ["trade"]):
+        for command in ([], ["run"], ["check"], ["plan"], ["render"], ["trade"], ["fit"]):
             result = self.hourglass(*command, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("--help", result.stdout)
@@ -139,6 +139,54 @@ class CommandLine(unittest.TestCase):
             self.assertIn(words, result.stdout)
         self.assertEqual(os.listdir(self.folder.name), ["scene.yaml"])
         self.assertEqual(os.stat(self.path("scene.yaml")).st_mtime_ns, before)
+
+    def test_models_in_closed_form(self):
+        output = "output: {snapshots_every: 0}"
+        self.scene(time="", output=output)
+        for model in ("kinematic", "stochastic", "radial"):
+            radial = ["--set", "radial={phi: 30, phi_w: 15, half_angle: 20}"] if model == "radial" else []
+            chosen = ["--set", f"model={model}", *radial]
+            with self.subTest(model=model):
+                for command in ("check", "plan"):
+                    result = self.hourglass(command, "scene.yaml", *chosen)
+                    self.assertEqual(result.returncode, 0, result.stderr)
+                    self.assertIn(f"Model {model}", result.stdout)
+                    self.assertNotIn("projection of noise", result.stdout)
+                result = self.hourglass("run", "scene.yaml", "--out", model, *chosen)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                with open(self.path(f"{model}/summary.json")) as file:
+                    summary = json.load(file)
+                self.assertEqual((summary["model"], summary["status"], summary["steps"]), (model, "finished", 0))
+                self.assertAlmostEqual(summary["discharge_constant"], 1, 12)
+                for name in ("scene.yaml", "run.log", "series.csv", "fields.h5", "fields.xdmf"):
+                    self.assertGreater(os.path.getsize(self.path(f"{model}/{name}")), 0)
+                again = self.hourglass("run", f"{model}/scene.yaml", "--out", model + "_again")
+                self.assertEqual(again.returncode, 0, again.stderr)
+                result = self.hourglass("render", model, "--field", "speed")
+                self.assertEqual(result.returncode, 0, result.stderr)
+        self.refuse("run", "scene.yaml", "--set", "model=kinematic", "--set",
+                    "inserts=[{shape: circle, centre: [20, 15], diameter: 8}]",
+                    says=["inserts: model kinematic cannot have solids"])
+        self.refuse("run", "scene.yaml", "--set", "model=radial", "--set", "domain.coordinates=axisymmetric",
+                    "--set", "orifices.0.centre=0", "--set", "materials.sand.mu_s=0.62",
+                    says=["radial.half_angle: 51.6839 degrees is beyond the mass-flow limit"])
+
+    def test_fit(self):
+        self.scene(time="", output="output: {snapshots_every: 0}")
+        result = self.hourglass("run", "scene.yaml", "--out", "run", "--set", "model=kinematic", "--set", "kinematic.B=3",
+                                "--set", "kinematic.Q=50")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        result = self.hourglass("fit", "run", "--csv", "fit.csv")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("B = 3, Q = 50,", result.stdout)
+        with open(self.path("fit.csv")) as file:
+            rows = file.read().splitlines()
+        self.assertEqual(rows[0], "x,y,v,v_fit")
+        for row in rows[1:]:
+            _, _, v, v_fit = map(float, row.split(","))
+            self.assertAlmostEqual(v, v_fit, 5)
+        self.refuse("fit", "run", "--time", "7", says=["time 7 is outside the run"])
+        self.refuse("fit", "no_such_run")
 
     def test_run_once_and_only_once(self):
         self.scene()

@@ -492,11 +492,44 @@ TEST_CASE("hopper, feed, symmetry, coordinates, air and solids models: read, wri
              Catch::Contains("bad.yaml:3 walls.left: is no_slip, but the left edge is the mirror plane"));
 }
 
-TEST_CASE("what this version does not model is refused, never ignored") {
-  for (const char* line : {"model: kinematic", "model: stochastic", "model: radial"})
-    expect(11, line, {"bad.yaml:11 model: ", "not modelled by this version; remove it"});
-  const File file(sound_with(11, "model: mu_I\nair: {model: passive}\nphysics: {rheology: {law: mu_I}}"));
-  CHECK(load_scene(file.path()).diagnostics.empty());
+TEST_CASE("models in closed form: read with their defaults, written, read again; refusals with their place") {
+  const auto with = [](const std::vector<std::string>& overrides) {
+    std::vector<std::string> all{"time={}"};  // which they do not use
+    all.insert(all.end(), overrides.begin(), overrides.end());
+    return round_trip("", all, Doubts::allowed);
+  };
+  const Scene kinematic = with({"model=kinematic"});
+  CHECK(kinematic.model == Model::kinematic);
+  CHECK(kinematic.kinematic->B == 2.0);
+  CHECK(*kinematic.kinematic->Q == Approx(std::pow(18.75, 1.5)).epsilon(1e-14));
+  CHECK_THAT(to_yaml(kinematic), Catch::Contains("kinematic:\n  B: 2\n") && !Catch::Contains("radial:"));
+  CHECK(with({"model=kinematic", "kinematic={B: 3, Q: 90, orifices: point}"}).kinematic ==
+        Kinematic{3, 90, OrificeForm::point});
+  CHECK(with({"model=stochastic", "stochastic={L_s: 5, Q: 90, spot: 4}"}).stochastic ==
+        Stochastic{5, 90, OrificeForm::slot, 4});
+  CHECK(with({"model=radial", "radial={phi: 30, phi_w: 10, half_angle: 20, Q: 9}"}).radial ==
+        Radial{30, 10, 20, 9, WallAngle::friction});
+  const Scene hopper =
+      with({"model=radial", "radial={phi: 30}", "hopper={half_angle: 20, outlet: 20}", "orifices=[]"});
+  CHECK(hopper.radial->half_angle == 20.0);
+  CHECK(hopper.radial->phi_w == 15.0);
+  CHECK(with({"model=mu_I", "time.end=1"}).model == Model::mu_I);
+
+  expect(11, "model: kinetic",
+         {"bad.yaml:11 model: found the text 'kinetic' (allowed: mu_I, kinematic, stochastic, radial)",
+          "Did you mean 'kinematic'?"});
+  const auto refused = [](const std::string& more, const std::string& words) {
+    const File file(sound_with(11, "model: kinematic\n" + more));
+    const Loaded loaded = load_scene(file.path());
+    CHECK_FALSE(loaded.ok());
+    CHECK_THAT(messages(loaded), Catch::Contains("bad.yaml:12 " + words));
+  };
+  refused("kinematic: {B: 0}", "kinematic.B: 0 is out of range (must be > 0). 2 d is usual.");
+  refused("kinematic: {b: 2}", "kinematic.b: unknown key. Did you mean 'B'?");
+  refused("kinematic: {orifices: line}", "kinematic.orifices: found the text 'line' (allowed: slot, point)");
+  refused("inserts: [{shape: circle, centre: [75, 60], diameter: 20}]",
+          "inserts: model kinematic cannot have solids");
+  refused("physics: {nonlocal: {}}", "physics.nonlocal: model kinematic cannot have granular fluidity");
 }
 
 TEST_CASE("what check() finds comes with the place of the key") {
