@@ -182,7 +182,8 @@ std::string named_text(const TradeResult& result) {
   add("balanced", result.middle, "no discharge to choose by");
   add("accurate", result.accurate, "no discharge within 0.5 % with a flow no worse than that of balanced");
   return out +
-         "\nbalanced: on the front of time and discharge, nearest to an error of 2 %. fast: at least 5 times "
+         "\nbalanced: on the front of time and discharge, extrapolations aside, nearest to an error of 2 %. "
+         "fast: at least 5 times "
          "cheaper, "
          "with the least error\nof the discharge. accurate: the cheapest with the discharge within 0.5 % and "
          "a velocity "
