@@ -476,7 +476,11 @@ void name_points(TradeResult& result) {
     points.push_back({result.seconds(row), counts ? TradeResult::number(row.error, discharge) : NAN});
   }
   const auto cost = [&](std::size_t k) { return points[k].cost; };
-  for (const std::size_t k : pareto_front(points)) {
+  // Runs for every use: an extrapolation improves two numbers, not the fields.
+  std::vector<CostAndError> plain = points;
+  for (std::size_t k = 0; k < plain.size(); ++k)
+    if (result.rows[k].run.group == "extrapolation") plain[k].error = NAN;
+  for (const std::size_t k : pareto_front(plain)) {
     const auto off = [&](std::size_t p) {
       return std::abs(std::log(std::max(points[p].error, 1e-12) / 0.02));
     };
@@ -486,7 +490,8 @@ void name_points(TradeResult& result) {
   const double most = std::max(TradeResult::number(result.rows[*result.middle].error, velocity), 0.0);
   for (std::size_t k = 0; k < points.size(); ++k) {
     if (!std::isfinite(points[k].error)) continue;
-    if (cost(k) <= cost(*result.middle) / 5 && (!result.fast || points[k].error < points[*result.fast].error))
+    if (cost(k) <= cost(*result.middle) / 5 && std::isfinite(plain[k].error) &&
+        (!result.fast || points[k].error < points[*result.fast].error))
       result.fast = k;
     // A small error of the discharge alone may be chance: the flow has to be no worse than that of balanced.
     const double flow = TradeResult::number(result.rows[k].error, velocity);

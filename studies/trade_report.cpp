@@ -181,8 +181,16 @@ std::string named_text(const TradeResult& result) {
   add("fast", result.fast, "nothing is 5 times cheaper than balanced");
   add("balanced", result.middle, "no discharge to choose by");
   add("accurate", result.accurate, "no discharge within 0.5 % with a flow no worse than that of balanced");
+  for (const auto& row : result.reference)
+    if (row.quantity.key == std::string("discharge") && row.found.error_bar > 0.005)
+      out += fmt::format(
+          "\nThe reference itself is known to {} only: smaller errors are not resolved, `accurate` least of "
+          "all. More "
+          "cells or a larger\nbudget give a better one.\n",
+          percent(row.quantity, row.found.error_bar));
   return out +
-         "\nbalanced: on the front of time and discharge, nearest to an error of 2 %. fast: at least 5 times "
+         "\nbalanced: on the front of time and discharge, extrapolations aside, nearest to an error of 2 %. "
+         "fast: at least 5 times "
          "cheaper, "
          "with the least error\nof the discharge. accurate: the cheapest with the discharge within 0.5 % and "
          "a velocity "

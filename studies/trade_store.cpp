@@ -62,7 +62,8 @@ TradeStore::TradeStore(const fs::path& folder, const Scene& balanced, bool force
       fs::create_directories(folder / "runs");
     } else if (fs::exists(runs) && content_of(scene) != to_yaml(balanced)) {
       throw std::invalid_argument(
-          fmt::format("{}: holds the trade of another scene (scene.yaml). Choose another folder "
+          fmt::format("{}: holds the trade of another scene, or of a version with other keys (scene.yaml). "
+                      "Choose another folder "
                       "with --out, or replace it with --force.",
                       folder.string()));
     }

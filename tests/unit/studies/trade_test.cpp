@@ -216,6 +216,8 @@ TEST_CASE("a trade names its points and goes on where it was killed", "[picture]
   const std::string text = content_of(options.out / "trade.md");
   CHECK_THAT(text, Catch::Contains("16, 32 and 64") || Catch::Contains("32, 64 and 128"));
 
+  CHECK_THAT(text, Catch::Contains("The reference itself is known to 1.5 % only"));
+
   TradeOptions again = options;
   again.out = folder.path / "killed";
   int calls = 0;
