@@ -79,7 +79,8 @@ class Trade {
     std::vector<std::string> all = o_.sets;
     all.insert(all.end(), {"accuracy=balanced", "stop={}", fmt::format("threads={}", o_.threads)});
     all.insert(all.end(), sets.begin(), sets.end());
-    all.push_back("accuracy.extrapolate=0");  // coarser grids are runs of their own here
+    // Coarser grids are runs of their own here, but for a word of accuracy as it is meant.
+    if (std::find(sets.begin(), sets.end(), own_grid) == sets.end()) all.push_back("accuracy.extrapolate=0");
     Loaded loaded = load_scene(o_.scene, all);
     loaded.scene.output.snapshots_every = 0;
     loaded.scene.output.fields_every = Recorder::sample_interval(loaded.scene);

@@ -51,7 +51,6 @@ const std::vector<Lever>& levers() {
       {"accuracy", nullptr, {}, {"fast", "balanced", "accurate"}},
       {"accuracy.vof", nullptr, {}, {"upwind"}},
       {"accuracy.extra_sweeps", nullptr, {}, {"1", "2"}},
-      {"accuracy.extrapolate", nullptr, {}, {"1", "2"}},
       {"accuracy.solids",
        nullptr,
        {},
@@ -103,7 +102,7 @@ std::vector<Variant> one_lever_variants(const Scene& balanced) {
     for (const std::string& value : values) {
       if (std::string_view(lever.key) ==
           "accuracy")  // the words as they are meant: with the grid that they choose
-        variants.push_back({lever.key, {"accuracy=" + value, "grid.cells_x=auto"}, false, false});
+        variants.push_back({lever.key, {"accuracy=" + value, own_grid}, false, false});
       Variant v{lever.key, {fmt::format("{}={}", lever.key, value)}, false, lever.model};
       v.halved = v.lever == "domain.symmetry";
       if (!v.halved || halved(balanced)) variants.push_back(std::move(v));

@@ -8,6 +8,9 @@
 
 namespace hourglass {
 
+/// Leaves the grid to accuracy, as its words are meant.
+inline const std::string own_grid = "grid.cells_x=auto";
+
 /// One way to run a scene.
 struct Variant {
   std::string lever;              ///< key that it sets; empty: none

@@ -8,6 +8,8 @@
 #include <fstream>
 #include <set>
 
+#include "io/scene_keys.hpp"
+
 using namespace hourglass;
 namespace fs = std::filesystem;
 
