@@ -3,19 +3,25 @@
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 #include <fmt/format.h>
+#include <vtkContext2D.h>
 #include <vtkContextActor.h>
 #include <vtkContextScene.h>
 #include <vtkGenericOpenGLRenderWindow.h>
+#include <vtkImageData.h>
 #include <vtkLogger.h>
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
 #include <vtkPNGWriter.h>
 #include <vtkRenderer.h>
+#include <vtkStdString.h>
 #include <vtkTextProperty.h>
+#include <vtkTextRenderer.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkWindowToImageFilter.h>
 
+#include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <string>
 
@@ -123,6 +129,45 @@ void style_text(vtkTextProperty* text, int size) {
   }
   text->SetFontSize(size);
   text->SetColor(40 / 255.0, 40 / 255.0, 40 / 255.0);
+}
+
+void draw_text(vtkContext2D* context, const std::string& text, double x, double y, int size, Align across,
+               Align up) {
+  if (text.empty()) return;
+  vtkNew<vtkTextProperty> property;
+  style_text(property, size);
+  property->SetJustification(static_cast<int>(across));
+  property->SetVerticalJustification(static_cast<int>(up));
+  context->ApplyTextProp(property);
+  context->DrawString(float(std::lround(x)), float(std::lround(y)), text);
+}
+
+int text_width(const std::string& text, int size) {
+  if (text.empty()) return 0;
+  vtkNew<vtkTextProperty> property;
+  style_text(property, size);
+  int box[4] = {0, 0, 0, 0};
+  vtkTextRenderer::GetInstance()->GetBoundingBox(property, text, box, 72);
+  return box[1] - box[0] + 1;
+}
+
+vtkSmartPointer<vtkImageData> upright_text(const std::string& text, int size) {
+  vtkNew<vtkTextProperty> property;
+  style_text(property, size);
+  vtkNew<vtkImageData> level;
+  const auto turned = vtkSmartPointer<vtkImageData>::New();
+  int extent[2];
+  vtkTextRenderer::GetInstance()->RenderString(property, text, level, extent, 72);
+  const int w = extent[0], h = extent[1];
+  turned->SetDimensions(h, w, 1);
+  turned->AllocateScalars(VTK_UNSIGNED_CHAR, 4);
+  for (int y = 0; y < h; ++y) {
+    for (int x = 0; x < w; ++x) {
+      const auto* from = static_cast<unsigned char*>(level->GetScalarPointer(x, y, 0));
+      std::copy(from, from + 4, static_cast<unsigned char*>(turned->GetScalarPointer(h - 1 - y, x, 0)));
+    }
+  }
+  return turned;
 }
 
 }  // namespace hourglass

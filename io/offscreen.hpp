@@ -2,10 +2,15 @@
 // The one render window of the process: OpenGL on Mesa's surfaceless EGL platform, so that no display and no
 // graphics card is needed. The first picture takes a second or two for starting up, later ones reuse the
 // window.
+#include <vtkSmartPointer.h>
+
 #include <filesystem>
 #include <stdexcept>
+#include <string>
 
 class vtkAbstractContextItem;
+class vtkContext2D;
+class vtkImageData;
 class vtkTextProperty;
 
 namespace hourglass {
@@ -26,5 +31,16 @@ void draw_png(vtkAbstractContextItem& item, int width, int height, const std::fi
 
 /// The type of all pictures, in dark grey.
 void style_text(vtkTextProperty* text, int size);
+inline constexpr int tick_font = 27, label_font = 31;  // pixels
+
+/// Which part of a text stands at its place; up: begin is its foot.
+enum class Align { begin, middle, end };
+/// A line of text.
+void draw_text(vtkContext2D* context, const std::string& text, double x, double y, int size, Align across,
+               Align up);
+/// Its width in pixels.
+int text_width(const std::string& text, int size);
+/// A line of text that reads upwards. VTK turns text too, but cuts off its tall letters.
+vtkSmartPointer<vtkImageData> upright_text(const std::string& text, int size);
 
 }  // namespace hourglass

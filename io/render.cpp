@@ -8,9 +8,6 @@
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
 #include <vtkPen.h>
-#include <vtkStdString.h>
-#include <vtkTextProperty.h>
-#include <vtkTextRenderer.h>
 
 #include <algorithm>
 #include <cmath>
@@ -26,7 +23,6 @@ namespace {
 // Sizes in pixels.
 constexpr int full_width = 1400, tall_height = 1300, least_bar = 420;
 constexpr int margin = 26, wall = 6, tick = 10, gap = 10, bar_width = 32;
-constexpr int tick_font = 27, label_font = 31;
 constexpr int widest_spacing = 42, closest_spacing = 24,
               rows_of_arrows = 7;  // closer where there is little room
 constexpr double arrow_decades = 3, streamline_decades = 4;
@@ -38,40 +34,10 @@ constexpr Colour black{0, 0, 0}, white{255, 255, 255}, dark{40, 40, 40}, grey{15
 
 // ---- text -------------------------------------------------------------------------------------------------
 
-enum class Align { begin, middle, end };
-
-int text_width(const std::string& text, int size) {
-  if (text.empty()) return 0;
-  vtkNew<vtkTextProperty> property;
-  style_text(property, size);
-  int box[4] = {0, 0, 0, 0};
-  vtkTextRenderer::GetInstance()->GetBoundingBox(property, text, box, 72);
-  return box[1] - box[0] + 1;
-}
-
 int widest(const std::vector<Tick>& ticks) {
   int w = 0;
   for (const Tick& t : ticks) w = std::max(w, text_width(t.label, tick_font));
   return w;
-}
-
-/// A line of text that reads upwards. VTK turns text too, but cuts off its tall letters.
-vtkNew<vtkImageData> upright_text(const std::string& text, int size) {
-  vtkNew<vtkTextProperty> property;
-  style_text(property, size);
-  vtkNew<vtkImageData> level, turned;
-  int extent[2];
-  vtkTextRenderer::GetInstance()->RenderString(property, text, level, extent, 72);
-  const int w = extent[0], h = extent[1];
-  turned->SetDimensions(h, w, 1);
-  turned->AllocateScalars(VTK_UNSIGNED_CHAR, 4);
-  for (int y = 0; y < h; ++y) {
-    for (int x = 0; x < w; ++x) {
-      const auto* from = static_cast<unsigned char*>(level->GetScalarPointer(x, y, 0));
-      std::copy(from, from + 4, static_cast<unsigned char*>(turned->GetScalarPointer(h - 1 - y, x, 0)));
-    }
-  }
-  return turned;
 }
 
 // ---- arrows and what lies under them ----------------------------------------------------------------------
@@ -622,16 +588,6 @@ class Painting : public vtkContextItem {
     context->GetBrush()->SetColor(colour[0], colour[1], colour[2]);
     context->DrawRect(float(x), float(y), float(w), float(h));
   }
-  static void text(vtkContext2D* context, const std::string& what, double x, double y, int size, Align across,
-                   Align up) {
-    if (what.empty()) return;
-    vtkNew<vtkTextProperty> property;
-    style_text(property, size);
-    property->SetJustification(static_cast<int>(across));
-    property->SetVerticalJustification(static_cast<int>(up));
-    context->ApplyTextProp(property);
-    context->DrawString(float(std::lround(x)), float(std::lround(y)), what);
-  }
   /// Reading upwards, its middle at height y, its left edge at x.
   static void upright(vtkContext2D* context, const std::string& what, int x, int y) {
     const auto image = upright_text(what, label_font);
@@ -698,15 +654,15 @@ class Painting : public vtkContextItem {
     for (const Tick& t : l.x_ticks) {
       const double x = l.x + (t.value - p.x0) / p.h * l.cell;
       context->DrawLine(float(x), float(foot), float(x), float(foot - tick));
-      text(context, t.label, x, foot - tick - gap, tick_font, Align::middle, Align::end);
+      draw_text(context, t.label, x, foot - tick - gap, tick_font, Align::middle, Align::end);
     }
     for (const Tick& t : l.y_ticks) {
       const double y = l.y + (t.value - p.y0) / p.h * l.cell;
       context->DrawLine(float(side), float(y), float(side - tick), float(y));
-      text(context, t.label, side - tick - gap, y, tick_font, Align::end, Align::middle);
+      draw_text(context, t.label, side - tick - gap, y, tick_font, Align::end, Align::middle);
     }
-    text(context, fmt::format("{} [{}]", picture->axial ? "r" : "x", picture->length_unit), l.x + l.w / 2.0,
-         foot - tick - 2 * gap - tick_font, label_font, Align::middle, Align::end);
+    draw_text(context, fmt::format("{} [{}]", picture->axial ? "r" : "x", picture->length_unit),
+              l.x + l.w / 2.0, foot - tick - 2 * gap - tick_font, label_font, Align::middle, Align::end);
     upright(context, fmt::format("y [{}]", picture->length_unit), margin, l.y + l.h / 2);
   }
 
@@ -746,15 +702,15 @@ class Painting : public vtkContextItem {
       const double s = scale->position(t.value), length = t.label.empty() ? tick / 2.0 : tick;
       if (l.bar_below) {
         context->DrawLine(float(x + s * w), float(y), float(x + s * w), float(y - length));
-        text(context, t.label, x + s * w, y - tick - gap, tick_font, Align::middle, Align::end);
+        draw_text(context, t.label, x + s * w, y - tick - gap, tick_font, Align::middle, Align::end);
       } else {
         context->DrawLine(float(x + w), float(y + s * h), float(x + w + length), float(y + s * h));
-        text(context, t.label, x + w + tick + gap, y + s * h, tick_font, Align::begin, Align::middle);
+        draw_text(context, t.label, x + w + tick + gap, y + s * h, tick_font, Align::begin, Align::middle);
       }
     }
     if (l.bar_below) {
-      text(context, l.bar_title, l.x + l.w / 2.0, y - tick - 2 * gap - tick_font, label_font, Align::middle,
-           Align::end);
+      draw_text(context, l.bar_title, l.x + l.w / 2.0, y - tick - 2 * gap - tick_font, label_font,
+                Align::middle, Align::end);
     } else {
       upright(context, l.bar_title, x + w + tick + 3 * gap + widest(l.bar_ticks), l.y + l.h / 2);
     }
@@ -780,7 +736,7 @@ class Painting : public vtkContextItem {
     for (const Note& note : layout->notes) {
       const int shift = note.key ? key_width + gap : 0;
       if (note.key) paint_key(context, *note.key, note.x, note.y);
-      text(context, note.text, note.x + shift, note.y, note.size, Align::begin, Align::begin);
+      draw_text(context, note.text, note.x + shift, note.y, note.size, Align::begin, Align::begin);
     }
   }
 };

@@ -18,9 +18,13 @@ constexpr unsigned viridis[] = {0x440154, 0x470d60, 0x48186a, 0x482374, 0x472e7c
 constexpr unsigned mixture[] = {0xfcd187, 0xf0c789, 0xe3bd8a, 0xd7b38b, 0xcba98b, 0xbe9f8c,
                                 0xb2968c, 0xa68c8c, 0x99838d, 0x8c7a8d, 0x7f718c, 0x71688c,
                                 0x63608c, 0x54578b, 0x434f8b, 0x2d478a, 0x053f8a};
+constexpr unsigned signs[] = {0x2158a8, 0x4869b2, 0x657bbb, 0x7e8ec5, 0x96a1ce, 0xaeb5d8,
+                              0xc5cae1, 0xdcdeea, 0xf3f3f3, 0xf0dbd2, 0xeac2b2, 0xe2aa93,
+                              0xd99274, 0xce7a56, 0xc26239, 0xb44a1b, 0xa62f00};
 
 std::span<const unsigned> points_of(ColourMap map) {
   if (map == ColourMap::viridis) return viridis;
+  if (map == ColourMap::signs) return signs;
   return mixture;
 }
 

@@ -11,7 +11,8 @@ using Colour = std::array<unsigned char, 3>;
 
 enum class ColourMap {
   viridis,  ///< perceptually uniform; S. van der Walt & N. Smith 2015, public domain (CC0)
-  mixture   ///< sand to blue at even steps of CIE lightness: which of two materials
+  mixture,  ///< sand to blue at even steps of CIE lightness: which of two materials
+  signs     ///< blue over nearly white to red, lightness even on both sides of the middle: which sign
 };
 
 /// A log scale reaches down this far from its largest value unless told otherwise.
