@@ -18,6 +18,7 @@
 #include "io/run_folder.hpp"
 #include "io/scene_yaml.hpp"
 #include "solver/simulation.hpp"
+#include "studies/limits.hpp"
 
 using namespace hourglass;
 
@@ -44,7 +45,7 @@ struct Arguments {
   std::vector<std::string> sets, overlays;
   RenderOptions render;
   int threads = -1;
-  bool resume = false, force = false, quiet = false;
+  bool resume = false, force = false, quiet = false, quick = false;
 };
 
 /// Prints what is wrong with the scene, or doubtful.
@@ -122,6 +123,15 @@ int check(const Arguments& a) {
   return failed;
 }
 
+int limits(const Arguments& a) {
+  const Loaded loaded = load(a);
+  print(loaded.diagnostics);
+  if (!loaded.ok()) return wrong_input;
+  const std::string out = a.out.empty() ? "runs/" + loaded.scene.name + "_limits" : a.out;
+  measure_limits(loaded.scene, {out, a.quick});
+  return finished;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -156,6 +166,14 @@ int main(int argc, char** argv) {
       "plan",
       "say what a scene switches on, what it allocates, how many steps and seconds it takes; runs nothing");
   takes_scene(plan_command);
+
+  CLI::App* limits_command = app.add_subcommand(
+      "limits",
+      "measure where short waves grow over the planes of friction and of viscosity, and what each cure does");
+  takes_scene(limits_command);
+  limits_command->add_option("--out", a.out, "folder of tables and pictures (default: runs/<name>_limits)")
+      ->type_name("DIR");
+  limits_command->add_flag("--quick", a.quick, "a coarse map");
 
   CLI::App* render_command = app.add_subcommand("render", "draw pictures from a stored run");
   render_command->add_option("run", a.run, "run folder")
@@ -194,6 +212,7 @@ int main(int argc, char** argv) {
     if (*run_command) return run(a);
     if (*check_command) return check(a);
     if (*plan_command) return plan(a);
+    if (*limits_command) return limits(a);
     return render(a);
   } catch (const std::invalid_argument& error) {  // what was asked for cannot be: nothing was written
     fmt::print(stderr, "{}\n", error.what());
