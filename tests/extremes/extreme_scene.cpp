@@ -270,7 +270,7 @@ void set_solids(const Kinds& kinds, Scene& s) {
                    insert_of(Shape::square, x + 4 * h, y, size, size)};
       break;
     case Solids::at_wall:  // two cells from the right wall
-      s.inserts = {insert_of(Shape::rectangle, s.width - 2 * h - size / 2, y, size, 1.5 * size)};
+      s.inserts = {insert_of(Shape::rectangle, s.width - 2 * h - size / 2, y, size, size)};
       break;
     case Solids::diamond:
       s.inserts = {insert_of(Shape::diamond, x, y, 1.5 * size, size)};
@@ -343,7 +343,7 @@ void set_fill(const Point& p, const Kinds& kinds, Scene& s) {
 void set_levers(const Point& p, Scene& s) {
   const double fall = std::sqrt(2 * s.g() * s.height), h = s.width / s.cells_x;
   s.time.dt_max = s.time.cfl * h / fall * p.logarithmic(dt_max, 0.1, 100);
-  s.time.max_steps = std::lround(p.linear(max_steps, 60, 150));
+  s.time.max_steps = std::lround(p.linear(max_steps, 100, 400));
   s.start_pressure =
       p.one_of(Axis::start_pressure, {StartPressure::zero, StartPressure::zero, StartPressure::hydrostatic});
   Accuracy& a = s.accuracy;

@@ -18,7 +18,7 @@
 namespace hourglass {
 namespace {
 
-constexpr double mass_tolerance = 1e-4;
+constexpr double mass_tolerance = 1e-4, most_speed = 100;
 
 bool all_finite(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
@@ -83,6 +83,8 @@ Trial run(const Scene& scene) {
     outcome = Outcome::mass_missed;
   } else if (summary.status != Status::finished) {
     outcome = Outcome::stopped;
+  } else if (series.fastest > most_speed * fall && !warned_of(summary, "speed")) {
+    outcome = Outcome::runaway;
   }
   return {{"outcome", outcome_names[static_cast<std::size_t>(outcome)]},
           {"status", name_of(summary.status)},

@@ -22,10 +22,11 @@ enum class Outcome {
   mass_missed,  ///< mass_error > 1e-4 without a warning that says so
   silent_miss,  ///< missed tolerances without a warning
   no_cause,     ///< stopped without a reason
+  runaway,  ///< grains a hundred times as fast as their fall could make them, without a warning of their speed
 };
 inline constexpr std::array outcome_names{"finished",     "backed_off", "stopped", "refused",
                                           "not_a_number", "hung",       "crashed", "mass_missed",
-                                          "silent_miss",  "no_cause"};
+                                          "silent_miss",  "no_cause",   "runaway"};
 inline bool is_forbidden(Outcome o) { return o >= Outcome::not_a_number; }
 
 /// Cells of a table by column; "outcome" is one of outcome_names.
