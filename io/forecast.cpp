@@ -185,7 +185,7 @@ StepForecast predict_steps(const Scene& scene, const Trial& trial) {
       why = "stop.steady_discharge";
     }
   }
-  std::array<long, 5> by_limit{};
+  std::array<long, dt_limits> by_limit{};
   double t = 0, dt = 0;
   const auto over = [&] {
     if (t >= end)

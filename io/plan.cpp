@@ -158,6 +158,9 @@ Switches switches_of(const Scene& scene) {
   });
   add(scene.accuracy.precision == Precision::full, "accuracy.precision",
       [] { return std::string("full: the preconditioner in double, twice its memory"); });
+  add(scene.accuracy.extra_sweeps > 0, "accuracy.extra_sweeps", [&] {
+    return fmt::format("{} more sweeps on every level of a V-cycle", scene.accuracy.extra_sweeps);
+  });
   add(scene.start_pressure == StartPressure::hydrostatic, "time.start_pressure",
       [] { return std::string("hydrostatic: one solve before the first step"); });
   return s;
@@ -188,6 +191,7 @@ std::vector<ArrayGroup> arrays_of(const Simulation& simulation) {
       return fmt::format("u, v, p, grains{}{}{}", tracers > 0 ? fmt::format(", tracers ({})", tracers) : "",
                          scene.dilatancy ? fmt::format(", solid ({})", tracers + 1) : "",
                          scene.nonlocal ? ", fluidity" : "");
+    if (group == "backup") return "the fields again, to go back to in trouble";
     if (group == "geometry") return "open shares of cells, faces and control volumes, and their walls";
     if (group == "volume of fluid") return "fluxes of each phase, owner flags";
     if (group == "mass transport") return "density, mass fluxes";

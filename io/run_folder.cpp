@@ -114,6 +114,7 @@ std::string to_json(const Summary& s) {
                       {"mass_error", json_number(s.mass_error)},
                       {"worst_max_divergence", json_number(s.worst_max_divergence)},
                       {"missed_tolerances", json_number(s.missed_tolerances)},
+                      {"back_offs", json_number(s.back_offs)},
                       {"steps", json_number(s.steps)},
                       {"cells", json_number(s.cells)},
                       {"wall_seconds", json_number(s.wall_seconds)},

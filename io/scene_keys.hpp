@@ -156,6 +156,8 @@ void visit_scene(Visitor& v, Scene& s) {
       v.number("pressure_tolerance", s.accuracy.pressure_tolerance);
       v.number("fluidity_tolerance", s.accuracy.fluidity_tolerance);
       v.integer("max_iterations", s.accuracy.max_iterations);
+      v.integer("extra_sweeps", s.accuracy.extra_sweeps);
+      v.integer("backup_every", s.accuracy.backup_every);
       v.choice("precision", s.accuracy.precision, precision_names);
       v.choice("solids", s.accuracy.solids, solid_model_names);
       v.map("splitting", [&] {

@@ -138,10 +138,11 @@ double fastest_grains(const Fields& fields, const Geometry* geometry, int thread
 std::string not_finite(const Fields& fields) {
   for (int j = 0; j < fields.p.ny(); ++j)
     for (int i = 0; i < fields.p.nx(); ++i) {
-      const char* name = !std::isfinite(fields.p(i, j))   ? "pressure"
-                         : !std::isfinite(fields.u(i, j)) ? "velocity u"
-                         : !std::isfinite(fields.v(i, j)) ? "velocity v"
-                                                          : nullptr;
+      const char* name = !std::isfinite(fields.p(i, j))        ? "pressure"
+                         : !std::isfinite(fields.u(i, j))      ? "velocity u"
+                         : !std::isfinite(fields.v(i, j))      ? "velocity v"
+                         : !std::isfinite(fields.grains(i, j)) ? "share of grains"
+                                                               : nullptr;
       if (name) return fmt::format("{} is not a number in cell ({}, {})", name, i, j);
     }
   return {};

@@ -29,8 +29,9 @@ class Fluidity final : public FluidityStage {
            const Geometry* geometry = nullptr)
       : closure_(scene.nonlocal->closure), zero_at_walls_(scene.nonlocal->walls == FluidityWall::zero),
         eta_max_(scene.rheology.eta_max), tolerance_(scene.accuracy.fluidity_tolerance),
-        max_iterations_(scene.accuracy.max_iterations), multigrid_(patch, boundary, 2), krylov_(patch),
-        geometry_(geometry), source_(patch), least_(patch) {}
+        max_iterations_(scene.accuracy.max_iterations),
+        multigrid_(patch, boundary, 2 + scene.accuracy.extra_sweeps), krylov_(patch), geometry_(geometry),
+        source_(patch), least_(patch) {}
 
   void set_row(const Fields& fields, int j, const double* gamma2, const double* pressure, const double* I,
                const double* mu, GrainProperties::Rows& properties) override {

@@ -8,9 +8,9 @@ namespace hourglass {
 
 template <class T>
 Projection<T>::Projection(const Patch& patch, const Boundary& boundary, bool compliant,
-                          const Geometry* geometry, const FreeSurface* surface)
-    : geometry_(geometry), surface_(surface), multigrid_(patch, boundary, 2), krylov_(patch), q_(patch),
-      rhs_(patch), largest_(patch.ny), speed_(patch.ny) {
+                          const Geometry* geometry, const FreeSurface* surface, int extra_sweeps)
+    : geometry_(geometry), surface_(surface), multigrid_(patch, boundary, 2 + extra_sweeps), krylov_(patch),
+      q_(patch), rhs_(patch), largest_(patch.ny), speed_(patch.ny) {
   if (compliant || surface)
     multigrid_.each_level(
         [](PoissonLevel<T>& level) { level.a.absorption = CellFieldOf<T>(level.x.patch()); });

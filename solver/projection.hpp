@@ -25,7 +25,7 @@ class Projection {
   /// share of the face, and ∇·u is integrated over what is open of a cell. surface: nullptr, or p = 0 there and nothing to
   /// solve beyond; up to date before assemble().
   Projection(const Patch& patch, const Boundary& boundary, bool compliant = false,
-             const Geometry* geometry = nullptr, const FreeSurface* surface = nullptr);
+             const Geometry* geometry = nullptr, const FreeSurface* surface = nullptr, int extra_sweeps = 0);
 
   /// β of all levels. in: density in cells, halo 2 [M/L^2]; compliance -dS/dp >= 0 of the divergence asked for [T/M],
   /// nullptr: 0. Synced on return.

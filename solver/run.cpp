@@ -9,6 +9,7 @@
 
 #include "solver/diagnostics.hpp"
 #include "solver/simulation_state.hpp"
+#include "solver/watchdog.hpp"
 
 namespace hourglass {
 
@@ -48,19 +49,12 @@ class Cadence {
   long count_ = 0;
 };
 
-/// What a solve's missed tolerance says.
-std::string missed(const char* name, const SolveStats& s, const StepReport& report) {
-  return fmt::format(
-      "the {} solve missed its tolerance at t = {:.6g} (step {}): {:.3g} instead of {:.3g} after {} "
-      "iterations, "
-      "worst at cell ({}, {})",
-      name, report.t, report.step, s.final, s.tolerance, s.iterations, s.worst_i, s.worst_j);
-}
-
-/// Hopeless: not a number, or so far off that going on would be a silent wrong answer.
-bool hopeless(const SolveStats& s) {
-  return !std::isfinite(s.final) || (!s.converged && s.final > 1e3 * s.tolerance);
-}
+/// How a run that meets trouble goes on from the last state kept: each rung of the ladder quarters the longest step, and
+/// solves with more care (Simulation::Impl::take_care).
+constexpr int rungs = 4;
+constexpr double shorter = 4;
+/// A run that needs more than this is not one that a few careful steps help.
+constexpr long most_back_offs = 100;
 
 class Run {
  public:
@@ -68,7 +62,7 @@ class Run {
       : simulation_(simulation), s_(state), scene_(state.scene), observers_(observers),
         series_(scene_.output.series_every), frames_(scene_.output.fields_every),
         pictures_(scene_.output.snapshots_every), initial_mass_(simulation.grain_mass()),
-        mass_(initial_mass_), settle_(start_up_time(scene_)) {
+        mass_(initial_mass_), settle_(start_up_time(scene_)), watchdog_(state, initial_mass_) {
     mass_over_time_.push_back({s_.t, unfed_mass()});
   }
 
@@ -92,21 +86,15 @@ class Run {
     tell(report);
     while (!finished()) {
       const auto start = Clock::now();
-      try {
-        report = simulation_.step(scene_.time.end > 0 ? scene_.time.end : 1e300);
-        if (report.limit != DtLimit::end)
-          for (const Cadence* cadence : {&series_, &frames_, &pictures_}) s_.t = cadence->snapped(s_.t);
-        report.t = s_.t;
-      } catch (const std::runtime_error& error) {
-        end(Status::diverged, error.what());
-        break;
-      }
+      keep();
+      const Trouble trouble = step(report);
       stepping_ += seconds_since(start);
       const auto after = Clock::now();
-      watch_solves(report);
-      if (ended_ && summary_.status == Status::diverged) break;
+      if (trouble && back_off(trouble)) continue;
+      if (trouble && !accept(trouble)) break;
       mass_ = simulation_.grain_mass();
       mass_over_time_.push_back({s_.t, unfed_mass()});
+      summary_.worst_max_divergence = std::max(summary_.worst_max_divergence, report.max_divergence);
       watch_orifices();
       tell(report);
       watch_stops();
@@ -116,7 +104,78 @@ class Run {
       }
       outside_ += seconds_since(after);
     }
-    if (summary_.status != Status::diverged || not_finite(s_.fields).empty()) tell_end(report);
+    if (not_finite(s_.fields).empty()) tell_end(report);
+  }
+  /// One step, and what is wrong with it.
+  Trouble step(StepReport& report) {
+    try {
+      report = simulation_.step(scene_.time.end > 0 ? scene_.time.end : 1e300);
+      if (report.limit != DtLimit::end)
+        for (const Cadence* cadence : {&series_, &frames_, &pictures_}) s_.t = cadence->snapped(s_.t);
+      report.t = s_.t;
+    } catch (const std::runtime_error& error) {
+      return {fmt::format("{} at t = {:.6g} (step {})", error.what(), s_.t, s_.steps), true};
+    }
+    Trouble trouble = watchdog_.of_step(report);
+    if (s_.steps % Watchdog::look_every == 0 && !trouble.hopeless) {
+      if (Trouble lost = watchdog_.of_state()) return lost;
+      for (const std::string& doubt : watchdog_.doubts()) warn(doubt);
+    }
+    return trouble;
+  }
+
+  /// Keeps the state now and then, and always when something of it was told, so that nothing is told twice. A run that has
+  /// backed off comes down a rung after as many steps without trouble.
+  void keep() {
+    const long every = scene_.accuracy.backup_every;
+    if (every == 0) return;
+    if (rung_ > 0 && s_.steps - rung_since_ >= every * patience_) {
+      s_.dt_most = --rung_ > 0 ? shorter * s_.dt_most : 1e300;
+      rung_since_ = s_.steps;
+      s_.take_care(rung_);
+    }
+    if (s_.backup && !told_ && s_.steps - s_.backup->tally.steps < every) return;
+    told_ = false;
+    s_.keep();
+    kept_samples_ = mass_over_time_.size();
+  }
+
+  /// Goes back and up a rung; false where that is of no use any more.
+  bool back_off(const Trouble& trouble) {
+    if (!s_.backup) return false;
+    if (rung_ == rungs || summary_.back_offs == most_back_offs || (resigned_ && !trouble.hopeless)) {
+      if (!resigned_ && !trouble.hopeless) {
+        resigned_ = true;
+        warn("no smaller step helps; from here on tolerances that are missed are only reported");
+      }
+      return false;
+    }
+    ++rung_;
+    ++summary_.back_offs;
+    patience_ = std::min(2 * patience_, 16L);
+    const double failed = std::min(s_.dt > 0 ? s_.dt : scene_.time.dt_max, s_.dt_most);
+    s_.go_back();
+    rung_since_ = s_.steps;
+    s_.dt_most = failed / shorter;
+    s_.take_care(rung_);
+    mass_over_time_.resize(kept_samples_);
+    if (summary_.back_offs <= 20)
+      warn(fmt::format("{}; back to t = {:.6g} and on with steps of at most {:.3g}", trouble.what, s_.t,
+                       s_.dt_most));
+    return true;
+  }
+
+  /// Whether the run can go on all the same. If not, its last good state is what is left of it.
+  bool accept(const Trouble& trouble) {
+    ++summary_.missed_tolerances;
+    if (summary_.missed_tolerances <= 20) warn(trouble.what);
+    misses_in_a_row_ = s_.steps == last_miss_ + 1 ? misses_in_a_row_ + 1 : 1;
+    last_miss_ = s_.steps;
+    if (!trouble.hopeless && misses_in_a_row_ < 20) return true;
+    end(Status::diverged,
+        trouble.hopeless ? trouble.what : "20 steps in a row missed a tolerance; the last: " + trouble.what);
+    if (s_.backup) s_.go_back();
+    return false;
   }
   void fail(const std::string& reason) {
     if (summary_.status == Status::diverged)
@@ -139,24 +198,6 @@ class Run {
   void warn(const std::string& text) {
     summary_.warnings.push_back(text);
     for (Observer* o : observers_) o->on_warning(text);
-  }
-
-  /// A missed tolerance is reported, never swallowed; many, or a large one, end the run.
-  void watch_solves(const StepReport& report) {
-    summary_.worst_max_divergence = std::max(summary_.worst_max_divergence, report.max_divergence);
-    bool missed_now = false;
-    for (const auto& [name, stats] : {std::pair{"pressure", &report.pressure},
-                                      {"viscous", &report.viscous},
-                                      {"fluidity", &report.fluidity}}) {
-      if (stats->converged && std::isfinite(stats->final)) continue;
-      missed_now = true;
-      const std::string text = missed(name, *stats, report);
-      if (++summary_.missed_tolerances <= 20) warn(text);
-      if (hopeless(*stats)) end(Status::diverged, text);
-      if (misses_in_a_row_ >= 20)
-        end(Status::diverged, "20 steps in a row missed a tolerance; the last: " + text);
-    }
-    misses_in_a_row_ = missed_now ? misses_in_a_row_ + 1 : 0;
   }
 
   /// Says once, when the flow should have developed, which open orifice does not flow.
@@ -200,11 +241,13 @@ class Run {
   }
 
   void tell(const StepReport& report) {
-    if (series_.due(s_.t)) tell_series(report);
-    if (frames_.due(s_.t))
-      for (Observer* o : observers_) o->on_fields(simulation_);
-    if (pictures_.due(s_.t))
-      for (Observer* o : observers_) o->on_snapshot(simulation_);
+    const bool series = series_.due(s_.t), frame = frames_.due(s_.t), picture = pictures_.due(s_.t);
+    told_ = told_ || series || frame || picture;
+    if (series) tell_series(report);
+    for (Observer* o : observers_) {
+      if (frame) o->on_fields(simulation_);
+      if (picture) o->on_snapshot(simulation_);
+    }
   }
   void tell_end(const StepReport& report) {
     if (series_.owes(s_.t)) tell_series(report);
@@ -247,17 +290,7 @@ class Run {
         rows += 1;
       }
     r.quasi_static_fraction = rows > 0 ? share / rows : simulation_.quasi_static_fraction();
-    double gone = s_.other_mass;
-    for (double m : s_.orifice_mass) gone += m;
-    double left = simulation_.grain_mass();
-    if (scene_.dilatancy &&
-        scene_.dilatancy->mode == DilatancyMode::weight) {  // which conserves volume, not mass
-      gone = s_.lost_volume;
-      left = 0;
-      for (double m : masses_by_material(scene_, s_.fields, s_.geometry.get(), s_.threads, true)) left += m;
-    }
-    if (initial_mass_ > 0)
-      r.mass_error = std::abs((initial_mass_ + s_.fed_mass - left) - gone) / initial_mass_;
+    r.mass_error = s_.mass_error(initial_mass_);
     r.steps = s_.steps;
     r.cells = scene_.patch().cells();
     r.threads = threads_of(scene_);
@@ -281,7 +314,13 @@ class Run {
   SeriesRow last_;  // its outflows are totals
   Summary summary_;
   bool ended_ = false, watched_orifices_ = false;
-  long misses_in_a_row_ = 0;
+  Watchdog watchdog_;
+  int rung_ = 0;                        // of the ladder of back_off()
+  long rung_since_ = 0, patience_ = 1;  // the latter grows with every back-off
+  bool told_ = false;                   // of the state since the last one kept
+  bool resigned_ = false;
+  std::size_t kept_samples_ = 0;
+  long misses_in_a_row_ = 0, last_miss_ = -1;
   double stepping_ = 0, outside_ = 0;  // seconds
   const Clock::time_point clock_ = Clock::now();
 };

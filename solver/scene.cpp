@@ -325,6 +325,8 @@ void check_numerics(const Scene& s, Problems& p) {
   p.require(a.pressure_tolerance > 0 && a.pressure_tolerance < 1, "accuracy.pressure_tolerance",
             a.pressure_tolerance, "above 0, below 1", "3e-6 is balanced.");
   p.require(a.max_iterations >= 1, "accuracy.max_iterations", a.max_iterations, ">= 1");
+  p.require(a.extra_sweeps >= 0 && a.extra_sweeps <= 8, "accuracy.extra_sweeps", a.extra_sweeps, "0 to 8");
+  p.require(a.backup_every >= 0, "accuracy.backup_every", a.backup_every, ">= 0; 0 keeps none");
   p.require(s.threads >= 0 && s.threads <= 1024, "threads", s.threads, "0 to 1024", "0 takes all cores.");
 }
 

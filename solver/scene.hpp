@@ -206,6 +206,8 @@ struct Accuracy {
   double pressure_tolerance = 3e-6;  ///< max |div u| dt
   double fluidity_tolerance = 1e-2;  ///< error of the granular fluidity over its own size, everywhere
   int max_iterations = 200;
+  int extra_sweeps = 0;   ///< more sweeps of the smoothers on every level of a V-cycle
+  int backup_every = 16;  ///< steps from one state to go back to to the next; 0: none is kept
   Precision precision = Precision::mixed;
   SolidModel solids = SolidModel::cut_cells;
   Splitting splitting{};

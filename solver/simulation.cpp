@@ -74,9 +74,12 @@ void Simulation::Impl::fit_height() {
   const int needed = std::min(whole.ny, (top + margin + unit - 1) / unit * unit);
   const bool too_low = now.ny < whole.ny && top + margin / 2 > now.ny;
   const bool too_high = needed <= now.ny - std::max(unit, now.ny / 8);
-  if (!too_low && !too_high) return;
+  if (too_low || too_high) set_height(needed * now.h);
+}
 
-  solved.height = needed * now.h;
+/// Solves the rows up to this height from now on; what was above is lost.
+void Simulation::Impl::set_height(double height) {
+  solved.height = height;
   boundary = boundary_of(solved);
   geometry = geometry_of(solved, boundary);
   ways_out = ways_out_of(solved, boundary);
@@ -96,6 +99,56 @@ void Simulation::Impl::fit_height() {
   fill_cell_halo(boundary, fields.grains);
   stepper = make_stepper(solved, boundary, geometry.get(), threads);
   rows = {RowSums(fields.p.ny()), RowSums(fields.p.ny())};
+}
+
+/// Keeps this state to go back to.
+void Simulation::Impl::keep() {
+  if (backup) {
+    backup->tally = *this;
+    backup->fields = fields;
+    backup->height = solved.height;
+  } else {
+    backup.emplace(Backup{*this, fields, solved.height});
+  }
+}
+
+/// Back to the state kept.
+void Simulation::Impl::go_back() {
+  if (backup->height != solved.height) set_height(backup->height);
+  static_cast<Tally&>(*this) = backup->tally;
+  fields = backup->fields;
+  stepper->forget();
+}
+
+/// From which rung of the ladder on solves run in double throughout, with more sweeps.
+constexpr int careful_rung = 2;
+
+/// How carefully the next steps are solved: rung 0 as the scene says, higher ones with more iterations, then all in
+/// double and with more sweeps. Their length is dt_most.
+void Simulation::Impl::take_care(int rung) {
+  const Accuracy before = solved.accuracy;
+  solved.accuracy = scene.accuracy;
+  if (rung > 0) solved.accuracy.max_iterations = 4 * scene.accuracy.max_iterations;
+  if (rung >= careful_rung) {
+    solved.accuracy.precision = Precision::full;
+    solved.accuracy.extra_sweeps = scene.accuracy.extra_sweeps + 2;
+  }
+  if (solved.accuracy.precision != before.precision || solved.accuracy.extra_sweeps != before.extra_sweeps)
+    stepper = make_stepper(solved, boundary, geometry.get(), threads);
+}
+
+/// What the accounts miss, over the mass at the start: |loss of grains + feed - outflow|.
+double Simulation::Impl::mass_error(double initial_mass) const {
+  if (initial_mass <= 0) return 0;
+  const bool by_volume =
+      scene.dilatancy && scene.dilatancy->mode == DilatancyMode::weight;  // conserves it, not mass
+  double gone = lost_volume, left = 0;
+  if (!by_volume) {
+    gone = other_mass;
+    for (double m : orifice_mass) gone += m;
+  }
+  for (double m : masses_by_material(scene, fields, geometry.get(), threads, by_volume)) left += m;
+  return std::abs((initial_mass + fed_mass - left) - gone) / initial_mass;
 }
 
 /// Tops the grains up to the level, each column from there down to the first full cell, with grains at the velocity that is
@@ -190,6 +243,7 @@ std::vector<std::pair<std::string, std::size_t>> Simulation::memory() const {
   state += f.fluidity.bytes();
   auto table = impl_->stepper->memory();
   if (impl_->geometry) table.insert(table.begin(), {"geometry", impl_->geometry->bytes()});
+  if (impl_->scene.accuracy.backup_every > 0) table.insert(table.begin(), {"backup", state});
   table.insert(table.begin(), {"fields", state});
   return table;
 }
@@ -205,7 +259,7 @@ StepReport Simulation::step(double t_limit) {
   FastestCells fastest;
   s.timers.time("time step", [&] { fastest = fastest_cells(s.fields, s.threads, s.rows); });
   if (!std::isfinite(fastest.near_grains + fastest.air)) throw std::runtime_error(not_finite(s.fields));
-  const TimeStep dt = choose_time_step(s.scene, fastest, s.fields.patch().h, s.dt, t_limit - s.t);
+  const TimeStep dt = choose_time_step(s.scene, fastest, s.fields.patch().h, s.dt, t_limit - s.t, s.dt_most);
   s.stepper->advect(s.fields, dt.dt, s.steps % 2 == 0, s.timers);
   s.feed();
   s.stepper->accelerate(s.fields, dt.dt, s.timers, report);

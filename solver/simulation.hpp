@@ -12,7 +12,8 @@
 namespace hourglass {
 
 /// What limited the time step.
-enum class DtLimit { dt_max, cfl, cfl_air, growth, end };
+enum class DtLimit { dt_max, cfl, cfl_air, growth, end, back_off };
+inline constexpr int dt_limits = 6;
 const char* name_of(DtLimit limit);
 
 struct StepReport {
@@ -57,6 +58,7 @@ struct Summary {
   double mass_error = 0;                ///< |grain loss + feed - integrated outflow| / initial mass
   double worst_max_divergence = 0;
   long missed_tolerances = 0;
+  long back_offs = 0;  ///< how often the run went back and on with more care (docs/theory.md, Trouble)
   long steps = 0, cells = 0;
   double wall_seconds = 0;  ///< stepping only
   double cell_steps_per_second = 0;

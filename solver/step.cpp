@@ -32,9 +32,9 @@ class StepperOf final : public Stepper {
         surface_(scene.air.model == AirModel::none
                      ? std::make_unique<FreeSurface>(patch_, boundary, geometry, scene.air.density)
                      : nullptr),
-        viscous_(patch_, boundary, geometry, surface_.get()),
+        viscous_(patch_, boundary, geometry, surface_.get(), scene.accuracy.extra_sweeps),
         projection_(patch_, boundary, scene.dilatancy && scene.dilatancy->mode != DilatancyMode::weight,
-                    geometry, surface_.get()) {
+                    geometry, surface_.get(), scene.accuracy.extra_sweeps) {
     for (const Material& m : scene.materials) excess_.push_back(m.density - scene.materials[0].density);
     if (scene.dilatancy) {
       dilatancy_ = std::make_unique<DilatancyStage>(scene, patch_, boundary.ends(), geometry);
@@ -82,6 +82,8 @@ class StepperOf final : public Stepper {
     if (geometry_) fill_solid(*geometry_, fields);
     fill_velocity_halo(boundary_, fields.u, fields.v);
   }
+
+  void forget() override { projection_.forget(); }
 
   void hydrostatic(Fields& fields) override {
     transport_mass(fields, 0);

@@ -27,6 +27,8 @@ class Stepper {
   virtual void accelerate(Fields& fields, double dt, Timers& timers, StepReport& report) = 0;
   /// What lies in solids, in air that is not solved, and in the halo of the velocity follows from the rest.
   virtual void fill_halo(Fields& fields) const = 0;
+  /// Takes nothing over from the step before: the fields are other ones now.
+  virtual void forget() = 0;
   /// Pressure that holds the present densities still against gravity, where walls allow it.
   virtual void hydrostatic(Fields& fields) = 0;
   /// Projects the velocity in fields, at any density.

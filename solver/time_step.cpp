@@ -18,6 +18,8 @@ const char* name_of(DtLimit limit) {
       return "growth";
     case DtLimit::end:
       return "end";
+    case DtLimit::back_off:
+      return "back_off";
   }
   return "";
 }
@@ -49,11 +51,12 @@ FastestCells fastest_cells(const Fields& fields, int threads, std::array<RowSums
 }
 
 TimeStep choose_time_step(const Scene& scene, const FastestCells& fastest, double h, double dt_before,
-                          double t_left) {
+                          double t_left, double dt_most) {
   TimeStep best{scene.time.dt_max, DtLimit::dt_max};
   const auto limit = [&](double dt, DtLimit by) {
     if (dt < best.dt) best = {dt, by};
   };
+  limit(dt_most, DtLimit::back_off);
   const double g = scene.g();
   if (fastest.near_grains > 0) limit(scene.time.cfl * h / fastest.near_grains, DtLimit::cfl);
   if (fastest.air > 0) limit(0.9 * h / fastest.air, DtLimit::cfl_air);

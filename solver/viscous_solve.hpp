@@ -21,9 +21,10 @@ class ViscousSolve {
  public:
   /// geometry: nullptr, or what outlives this. surface: nullptr, or nothing moves beyond it; up to date before assemble().
   ViscousSolve(const Patch& patch, const Boundary& boundary, const Geometry* geometry = nullptr,
-               const FreeSurface* surface = nullptr)
-      : multigrid_(patch, geometry ? boundary.with_partly_open() : boundary, 1), krylov_(patch),
-        geometry_(geometry), surface_(surface), energy_(2 * patch.ny + 1), inertia_(patch.ny) {}
+               const FreeSurface* surface = nullptr, int extra_sweeps = 0)
+      : multigrid_(patch, geometry ? boundary.with_partly_open() : boundary, 1 + extra_sweeps),
+        krylov_(patch), geometry_(geometry), surface_(surface), energy_(2 * patch.ny + 1),
+        inertia_(patch.ny) {}
 
   /// Coefficients of all levels. in: eta in cells [M/T], density halo 2 [M/L^2]. Synced on return.
   void assemble(Team& team, const CellField& eta, bool harmonic_corners, const CellField& density,

@@ -85,11 +85,14 @@ Trial run(const Scene& scene) {
     outcome = Outcome::stopped;
   } else if (series.fastest > most_speed * fall && !warned_of(summary, "speed")) {
     outcome = Outcome::runaway;
+  } else if (summary.back_offs > 0) {
+    outcome = Outcome::backed_off;
   }
   return {{"outcome", outcome_names[static_cast<std::size_t>(outcome)]},
           {"status", name_of(summary.status)},
           {"cause", cause},
-          {"steps", std::to_string(summary.steps)},
+          {"steps", "back_offs", std::to_string(summary.steps)},
+          {"back_offs", std::to_string(summary.back_offs)},
           {"mass_error", fmt::format("{:.2g}", summary.mass_error)},
           {"missed_tolerances", std::to_string(summary.missed_tolerances)},
           {"speed_over_fall", fmt::format("{:.3g}", series.fastest / fall)},
@@ -124,7 +127,7 @@ Trial run(const Scene& scene) {
 
 const std::vector<std::string>& trial_columns() {
   static const std::vector<std::string> columns{
-      "outcome",           "status",          "cause",    "steps",         "mass_error",
+      "outcome",           "status",          "cause",    "steps",         "back_offs",  "mass_error",
       "missed_tolerances", "speed_over_fall", "warnings", "first_warning", "cpu_seconds"};
   return columns;
 }

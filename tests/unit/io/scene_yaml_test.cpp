@@ -1,4 +1,5 @@
 #include "io/scene_yaml.hpp"
+#include "io/scene_keys.hpp"
 
 #include <yaml-cpp/yaml.h>
 
@@ -210,14 +211,16 @@ TEST_CASE("a word of accuracy may be changed in part") {
     CHECK(loaded.ok());
     return loaded.scene.accuracy;
   };
-  const Accuracy fast_in_double{5e-3, 1e-5, 3e-2, 200, Precision::full};
+  const auto in_double = [](Accuracy accuracy) {
+    accuracy.precision = Precision::full;
+    return accuracy;
+  };
+  const Accuracy fast_in_double = in_double(accuracy_presets[0]);
   CHECK(with({"accuracy.precision=full"}) == fast_in_double);
   CHECK(with({"accuracy={precision: full, preset: fast}"}) == fast_in_double);
-  CHECK(with({"accuracy=balanced", "accuracy.precision=full"}) == Accuracy{.precision = Precision::full});
-  CHECK(with({"accuracy.precision=full", "accuracy=accurate"}) ==
-        Accuracy{.viscous_tolerance = 1e-4, .pressure_tolerance = 1e-8, .fluidity_tolerance = 1e-3});
-  CHECK(with({"accuracy.precision=full", "accuracy.preset=accurate"}) ==
-        Accuracy{1e-4, 1e-8, 1e-3, 200, Precision::full});
+  CHECK(with({"accuracy=balanced", "accuracy.precision=full"}) == in_double(accuracy_presets[1]));
+  CHECK(with({"accuracy.precision=full", "accuracy=accurate"}) == accuracy_presets[2]);
+  CHECK(with({"accuracy.precision=full", "accuracy.preset=accurate"}) == in_double(accuracy_presets[2]));
   CHECK_THAT(messages(load_scene(file.path(), {"accuracy.precison=full"})),
              Catch::Contains("--set accuracy.precison=full accuracy.precison: unknown key. Did you mean"));
 }
