@@ -28,7 +28,7 @@ struct FrictionSet {
 inline constexpr std::array<FrictionSet, 3> thesis_sets{
     {{"low", 0.47, 0.38}, {"medium", 0.62, 0.48}, {"high", 0.77, 0.58}}};
 
-/// A probe of the scene as it stands, less its cures: waves of four cells, P of the middle of its height, at I. Waves are
+/// A probe of the scene as it stands, less its cures: waves as long as four of its cells, on a finer grid, P of the middle of its height, at I. Waves are
 /// taken shorter at larger I, where the flow would turn them before they grow. Throws std::invalid_argument for a scene
 /// without friction.
 ShearProbe bare_probe(const Scene& scene, double I);

@@ -127,7 +127,8 @@ Growth measured_growth(const ShearProbe& probe) {
 }
 
 Growth predicted_growth(const ShearProbe& probe) {
-  if (probe.scene.nonlocal) return {NAN, NAN};
+  const Splitting& splitting = probe.scene.accuracy.splitting;
+  if (probe.scene.nonlocal || splitting.outer > 1 || splitting.picard > 1) return {NAN, NAN};
   const FrictionAt f = friction_at(probe.I, probe.scene.materials.at(0), probe.scene.rheology);
   const Rheology& rheology = probe.scene.rheology;
   const double per_step = probe.time_step() * probe.shear_rate();
@@ -138,7 +139,7 @@ Growth predicted_growth(const ShearProbe& probe) {
   const double a = std::cos(k * std::cos(angle) * h / 2) * std::cos(k * std::sin(angle) * h / 2);
   const double F = std::exp(-std::pow(k * rheology.smoothing_length, 2) / 4);
   const double c = std::cos(2 * angle), S = std::sin(2 * angle), q = f.mu * (1 - f.nu / 2);
-  const double r = s * (2 - probe.scene.accuracy.splitting.rotational) / (1 + 2 * s);
+  const double r = s * (2 - splitting.rotational) / (1 + 2 * s);
   if (share < 1) return {-std::log(1 + s), -std::log(1 + s) / per_step};
   const double from_rate = (1 - f.nu) * a * a * F;
   const double m11 = (1 + s * from_rate * c * c) / (1 + s), m12 = -s * c * (1 - f.nu / 2) * a / (1 + s),

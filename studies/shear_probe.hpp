@@ -53,7 +53,8 @@ struct Growth {
 /// Runs the probe and follows the wave: least-squares slope over the steps, the first few left out.
 Growth measured_growth(const ShearProbe& probe);
 
-/// By the theory above; capped grains, eta_max < mu P/γ̇, are a Newtonian fluid. NaN with physics.nonlocal.
+/// By the theory above; capped grains, eta_max < mu P/γ̇, are a Newtonian fluid. NaN with physics.nonlocal and with more than one
+/// round a step.
 Growth predicted_growth(const ShearProbe& probe);
 
 }  // namespace hourglass

@@ -91,7 +91,7 @@ Trial run(const Scene& scene) {
   return {{"outcome", outcome_names[static_cast<std::size_t>(outcome)]},
           {"status", name_of(summary.status)},
           {"cause", cause},
-          {"steps", "back_offs", std::to_string(summary.steps)},
+          {"steps", std::to_string(summary.steps)},
           {"back_offs", std::to_string(summary.back_offs)},
           {"mass_error", fmt::format("{:.2g}", summary.mass_error)},
           {"missed_tolerances", std::to_string(summary.missed_tolerances)},
