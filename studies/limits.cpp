@@ -206,7 +206,9 @@ void measure_limits(const Scene& scene, const LimitsOptions& options) {
   draw_borders(borders, I_0, slow, options.out / "borders.png");
 
   std::string csv = csv_row({"cure", "low", "medium", "high", "border_mu_s"});
-  fmt::print("\nGrowth per step at I = {} of waves as long as four cells of the scene, and the mu_s where it is 0\n", slow);
+  fmt::print(
+      "\nGrowth per step at I = {} of waves as long as four cells of the scene, and the mu_s where it is 0\n",
+      slow);
   fmt::print("{:<24} {:>12} {:>12} {:>12} {:>12}\n", "", "low", "medium", "high", "border");
   for (const auto& row : rows) {
     csv += csv_row(row);

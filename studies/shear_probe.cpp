@@ -89,9 +89,15 @@ double lag_factor(const FrictionAt& f) {
   return q <= 2 * rest ? rest + q * q / (4 * rest) : q;
 }
 
+/// F: what smoothing leaves of the wave's shear rate.
+static double smoothed(const ShearProbe& probe) {
+  const double k = 2 * M_PI / probe.wavelength;
+  return std::exp(-std::pow(k * probe.scene.rheology.smoothing_length, 2) / 4);
+}
+
 double ShearProbe::angle() const {
   const FrictionAt f = friction_at(I, scene.materials.at(0), scene.rheology);
-  const double S = f.mu * (1 - f.nu / 2) / (2 * (1 - f.nu));
+  const double S = f.mu * (1 - f.nu / 2) / (2 * (1 - f.nu) * smoothed(*this));
   return S < 1 && f.nu < 1 ? std::min(0.5 * std::asin(S), largest_angle) : largest_angle;
 }
 double ShearProbe::shear_rate() const {
@@ -137,7 +143,7 @@ Growth predicted_growth(const ShearProbe& probe) {
   const double k = 2 * M_PI / probe.wavelength, angle = probe.angle();
   const double h = probe.wavelength / std::cos(angle) / probe.cells;
   const double a = std::cos(k * std::cos(angle) * h / 2) * std::cos(k * std::sin(angle) * h / 2);
-  const double F = std::exp(-std::pow(k * rheology.smoothing_length, 2) / 4);
+  const double F = smoothed(probe);
   const double c = std::cos(2 * angle), S = std::sin(2 * angle), q = f.mu * (1 - f.nu / 2);
   const double r = s * (2 - splitting.rotational) / (1 + 2 * s);
   if (share < 1) return {-std::log(1 + s), -std::log(1 + s) / per_step};

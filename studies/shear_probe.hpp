@@ -38,7 +38,7 @@ struct ShearProbe {
   int cells = 32;          ///< across one period along the flow
   int steps = 18;
 
-  double angle() const;       ///< of the wave vector against the flow, where lag_factor() is [rad]
+  double angle() const;       ///< of the wave vector against the flow, where it grows fastest [rad]
   double viscosity() const;   ///< mu P/γ̇ [M/T]
   double shear_rate() const;  ///< [1/T]
   double time_step() const;   ///< [T]
