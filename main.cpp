@@ -7,18 +7,24 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "io/files.hpp"
+#include "io/fit_run.hpp"
 #include "io/forecast.hpp"
 #include "io/plan.hpp"
 #include "io/provenance.hpp"
 #include "io/render.hpp"
 #include "io/run_folder.hpp"
 #include "io/scene_yaml.hpp"
+#include "io/start.hpp"
 #include "solver/simulation.hpp"
+#include "studies/extrapolation.hpp"
 #include "studies/limits.hpp"
+#include "studies/trade.hpp"
 
 using namespace hourglass;
 
@@ -44,13 +50,17 @@ struct Arguments {
   std::string scene, out, run;
   std::vector<std::string> sets, overlays;
   RenderOptions render;
+  std::optional<double> budget;
+  std::optional<double> fit_time;
+  std::string csv;
   int threads = -1;
-  bool resume = false, force = false, quiet = false, quick = false;
+  bool resume = false, force = false, quiet = false, dry_run = false, quick = false;
 };
 
-/// Prints what is wrong with the scene, or doubtful.
-void print(const std::vector<Diagnostic>& diagnostics) {
-  for (const Diagnostic& d : diagnostics) fmt::print(stderr, "{}\n", d.text());
+/// Prints what is wrong with the scene, or doubtful, and what was chosen for it.
+void print(const Loaded& loaded) {
+  for (const Diagnostic& d : loaded.diagnostics) fmt::print(stderr, "{}\n", d.text());
+  for (const std::string& note : loaded.notes) fmt::print(stderr, "{}\n", note);
 }
 
 Loaded load(const Arguments& a) {
@@ -59,21 +69,48 @@ Loaded load(const Arguments& a) {
   return load_scene(a.scene, sets);
 }
 
+/// The run, after those on coarser grids that the scene asks for.
+Summary run_with_extrapolation(Simulation& simulation, RunFolder& folder, SignalWatch& watch, bool quiet) {
+  const Scene& scene = simulation.scene();
+  if (scene.accuracy.extrapolate == 0 || scene.orifices.empty()) return simulation.run({&folder, &watch});
+  const CoarseRuns coarse = run_coarser(scene, quiet, watch);
+  Summary summary;
+  if (coarse.interrupted) {
+    summary.status = Status::interrupted;
+    summary.reason = watch.interrupt() + ", on a coarser grid (accuracy.extrapolate)";
+    return summary;
+  }
+  summary = simulation.run({&folder, &watch});
+  const std::size_t before = summary.warnings.size();
+  extrapolate(coarse, summary);
+  for (std::size_t k = before; k < summary.warnings.size(); ++k) folder.on_warning(summary.warnings[k]);
+  return summary;
+}
+
 int run(const Arguments& a) {
   if (a.resume) {
     fmt::print(stderr, "--resume: not in this version. Use --force to run again from the start.\n");
     return wrong_input;
   }
   const Loaded loaded = load(a);
-  print(loaded.diagnostics);
+  print(loaded);
   if (!loaded.ok()) return wrong_input;
 
   std::vector<std::string> warnings;
   for (const Diagnostic& d : loaded.diagnostics) warnings.push_back(d.text());
+  warnings.insert(warnings.end(), loaded.notes.begin(), loaded.notes.end());
+  if (loaded.scene.model != Model::mu_I) {
+    const SteadyFlow flow = steady_flow(loaded.scene);
+    RunFolder folder(loaded.scene, to_yaml(loaded.scene), {a.out, a.force, a.quiet}, warnings);
+    folder.write(flow);
+    folder.finish(flow.summary);
+    return finished;
+  }
   SignalWatch watch;
   Simulation simulation(loaded.scene);  // before the folder: if memory is short nothing is written
+  begin(simulation);
   RunFolder folder(loaded.scene, to_yaml(loaded.scene), {a.out, a.force, a.quiet}, warnings);
-  const Summary summary = simulation.run({&folder, &watch});
+  const Summary summary = run_with_extrapolation(simulation, folder, watch, a.quiet);
   folder.finish(summary);
 
   if (summary.status == Status::finished || summary.status == Status::stopped) return finished;
@@ -90,13 +127,25 @@ int render(Arguments a) {
   return render_run(a.run, a.render);
 }
 
+int fit(const Arguments& a) {
+  const RunFit fitted = fit_run(a.run, a.fit_time);
+  fmt::print("{}", text_of(fitted));
+  if (!a.csv.empty()) write_atomically(a.csv, csv_of(fitted));
+  return finished;
+}
+
 /// What a run of the scene would be. Writes nothing.
 int plan(const Arguments& a) {
   const Loaded loaded = load(a);
-  print(loaded.diagnostics);
+  print(loaded);
   if (!loaded.ok()) return wrong_input;
   const Scene& scene = loaded.scene;
   const Patch patch = scene.patch();
+  if (scene.model != Model::mu_I) {
+    fmt::print("{}: {} x {} cells of side {:.6g}\n\n{}", a.scene, patch.nx, patch.ny, patch.h,
+               steady_text(scene));
+    return finished;
+  }
   fmt::print(
       "{}: {} x {} cells of side {:.6g}\n\nSwitched on\n{}\nWell-posedness, C(I) of Barker et al. 2015\n{}",
       a.scene, patch.nx, patch.ny, patch.h, text_of(switches_of(scene)), well_posedness_text(scene));
@@ -108,10 +157,14 @@ int plan(const Arguments& a) {
 
 int check(const Arguments& a) {
   const Loaded loaded = load(a);
-  print(loaded.diagnostics);
+  print(loaded);
   if (!loaded.ok()) return wrong_input;
   const Patch patch = loaded.scene.patch();
   fmt::print("{}: the scene is sound, {} x {} cells of side {:.6g}.\n", a.scene, patch.nx, patch.ny, patch.h);
+  if (loaded.scene.model != Model::mu_I) {
+    fmt::print("{}", steady_text(loaded.scene));
+    return finished;
+  }
   fmt::print("Well-posedness, C(I) of Barker et al. 2015:\n{}", well_posedness_text(loaded.scene));
   const SolveStats stats = project_noise(loaded.scene);
   fmt::print(
@@ -125,11 +178,24 @@ int check(const Arguments& a) {
 
 int limits(const Arguments& a) {
   const Loaded loaded = load(a);
-  print(loaded.diagnostics);
+  print(loaded);
   if (!loaded.ok()) return wrong_input;
-  const std::string out = a.out.empty() ? "runs/" + loaded.scene.name + "_limits" : a.out;
+  const std::string out = a.out.empty() ? "limits/" + loaded.scene.name : a.out;
   measure_limits(loaded.scene, {out, a.quick});
   return finished;
+}
+
+int trade(const Arguments& a) {
+  SignalWatch watch;
+  const bool ended = hourglass::trade({.scene = a.scene,
+                                       .sets = a.sets,
+                                       .out = a.out,
+                                       .budget = a.budget,
+                                       .threads = a.threads < 0 ? 1 : a.threads,
+                                       .force = a.force,
+                                       .dry_run = a.dry_run,
+                                       .observers = {&watch}});
+  return ended ? finished : by_signal + caught_signal;
 }
 
 }  // namespace
@@ -171,9 +237,34 @@ int main(int argc, char** argv) {
       "limits",
       "measure where short waves grow over the planes of friction and of viscosity, and what each cure does");
   takes_scene(limits_command);
-  limits_command->add_option("--out", a.out, "folder of tables and pictures (default: runs/<name>_limits)")
+  limits_command
+      ->add_option("--out", a.out,
+                   "folder (default: limits/<name of the scene>); what is measured in it stays")
       ->type_name("DIR");
   limits_command->add_flag("--quick", a.quick, "a coarse map");
+  CLI::App* trade_command = app.add_subcommand(
+      "trade", "measure what speed costs in accuracy: every lever, against a reference of the scene's own");
+  takes_scene(trade_command);
+  trade_command
+      ->add_option("--out", a.out, "folder (default: trades/<name of the scene>); a trade in it goes on")
+      ->type_name("DIR");
+  trade_command->add_option("--budget", a.budget, "leave out what does not fit into so many minutes")
+      ->type_name("MINUTES")
+      ->check(CLI::PositiveNumber);
+  trade_command->add_flag("--force", a.force, "begin anew in the same folder");
+  trade_command->add_flag("--dry-run", a.dry_run, "print the runs and about how long they take");
+  CLI::App* fit_command =
+      app.add_subcommand("fit", "B and Q of the kinematic model that comes nearest to a stored run");
+  fit_command->add_option("run", a.run, "run folder")
+      ->required()
+      ->type_name("RUN")
+      ->check(CLI::ExistingDirectory);
+  fit_command
+      ->add_option("--time", a.fit_time,
+                   "fit to the frame nearest to this time (default: the first developed)")
+      ->type_name("T");
+  fit_command->add_option("--csv", a.csv, "write velocities of run and fit at ten heights: x, y, v, v_fit")
+      ->type_name("FILE");
 
   CLI::App* render_command = app.add_subcommand("render", "draw pictures from a stored run");
   render_command->add_option("run", a.run, "run folder")
@@ -213,6 +304,8 @@ int main(int argc, char** argv) {
     if (*check_command) return check(a);
     if (*plan_command) return plan(a);
     if (*limits_command) return limits(a);
+    if (*trade_command) return trade(a);
+    if (*fit_command) return fit(a);
     return render(a);
   } catch (const std::invalid_argument& error) {  // what was asked for cannot be: nothing was written
     fmt::print(stderr, "{}\n", error.what());

@@ -13,6 +13,7 @@
 #include "io/progress.hpp"
 #include "io/provenance.hpp"
 #include "io/render.hpp"
+#include "io/start.hpp"
 #include "solver/diagnostics.hpp"
 #include "solver/simulation.hpp"
 #include "solver/timers.hpp"
@@ -119,8 +120,8 @@ double time_picture(const Simulation& simulation) {
 }  // namespace
 
 Scene coarsened(const Scene& scene, long most_cells) {
-  Scene best = scene;
-  for (Scene next = scene; next.cells_x % 2 == 0 && best.patch().cells() > most_cells;) {
+  Scene best = coarser(scene, 0);
+  for (Scene next = best; next.cells_x % 2 == 0 && best.patch().cells() > most_cells;) {
     next.cells_x /= 2;
     const double h = next.width / next.cells_x;
     bool sound = std::none_of(next.orifices.begin(), next.orifices.end(),
@@ -225,9 +226,11 @@ Forecast forecast(const Scene& scene) {
   small.threads = 1;  // which so small a grid does best on
   const Trial flow = [&] {
     Simulation simulation(small);  // let go before the next: it may be as large as the scene
+    begin(simulation);
     return try_out(simulation, flow_budget);
   }();
   Simulation timed_simulation(coarsened(scene, timed_cells));
+  begin(timed_simulation);
   const Trial timed = try_out(timed_simulation, timed_budget);
   f.steps = predict_steps(scene, flow);
   const double cells = static_cast<double>(scene.patch().cells());
@@ -270,7 +273,15 @@ std::string text_of(const Forecast& f, const Scene& scene) {
   text += fmt::format("  {} of output: {} rows, {} frames of {:.3g} MB in all, {} pictures of {:.2g} s\n",
                       duration_text(f.output_seconds), f.rows, f.frames, f.frame_bytes * 1e-6, f.pictures,
                       f.picture_seconds);
-  return text + fmt::format("  {} in all\n", duration_text(f.step_seconds + f.output_seconds));
+  double coarser_seconds = 0;
+  const double coarser_share = s.limit == name_of(DtLimit::dt_max) ? 0.25 : 0.125;  // else half the steps too
+  for (int k = 1; k <= scene.accuracy.extrapolate && !scene.orifices.empty(); ++k)
+    coarser_seconds += f.step_seconds * std::pow(coarser_share, k);
+  if (coarser_seconds > 0)
+    text += fmt::format("  {} before it on the coarser grids of accuracy.extrapolate\n",
+                        duration_text(coarser_seconds));
+  return text +
+         fmt::format("  {} in all\n", duration_text(f.step_seconds + coarser_seconds + f.output_seconds));
 }
 
 }  // namespace hourglass

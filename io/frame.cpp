@@ -37,9 +37,7 @@ const CellField& Frame::field(const std::string& name) const {
 std::vector<std::string> asked_fields(const Scene& scene) {
   std::vector<std::string> names;
   for (const std::string& name : scene.output.fields) {
-    if (name == "tracer" && scene.materials.size() < 2) continue;
-    const char* module = field_info(name).module;
-    if (module && !has_module(scene, module)) continue;
+    if (!has_field(scene, field_info(name))) continue;
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   }
   return names;
@@ -51,13 +49,25 @@ std::vector<std::string> stored_fields(const Scene& scene) {
   return names;
 }
 
-Frame frame_of(const Simulation& simulation, const std::vector<std::string>& fields) {
+namespace {
+
+template <class Flow>
+Frame frame_at(double t, const Flow& flow, const std::vector<std::string>& fields) {
   Frame frame;
-  frame.t = simulation.t();
-  for (const std::string& name : fields) frame.fields.emplace_back(name, simulation.derived(name));
-  frame.velocity_x = simulation.derived("velocity_x");
-  frame.velocity_y = simulation.derived("velocity_y");
+  frame.t = t;
+  for (const std::string& name : fields) frame.fields.emplace_back(name, flow.derived(name));
+  frame.velocity_x = flow.derived("velocity_x");
+  frame.velocity_y = flow.derived("velocity_y");
   return frame;
+}
+
+}  // namespace
+
+Frame frame_of(const Simulation& simulation, const std::vector<std::string>& fields) {
+  return frame_at(simulation.t(), simulation, fields);
+}
+Frame frame_of(const SteadyFlow& flow, const std::vector<std::string>& fields) {
+  return frame_at(0, flow, fields);
 }
 
 const FieldInfo& field_info(const std::string& name) {

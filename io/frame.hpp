@@ -7,6 +7,7 @@
 
 #include "kernels/polygon.hpp"
 #include "solver/simulation.hpp"
+#include "solver/steady_flow.hpp"
 
 namespace hourglass {
 
@@ -48,6 +49,9 @@ std::vector<std::string> stored_fields(const Scene& scene);
 
 /// The state of a simulation, with the given fields, `grains` and the velocity.
 Frame frame_of(const Simulation& simulation, const std::vector<std::string>& fields);
+
+/// The same of a steady field, at t = 0.
+Frame frame_of(const SteadyFlow& flow, const std::vector<std::string>& fields);
 
 /// Of known_fields(); throws std::invalid_argument, naming the known ones.
 const FieldInfo& field_info(const std::string& name);

@@ -8,6 +8,7 @@
 #include "io/frame.hpp"
 #include "kernels/strain_rate.hpp"
 #include "solver/grain_properties.hpp"
+#include "solver/steady_flow.hpp"
 
 namespace hourglass {
 namespace {
@@ -103,6 +104,10 @@ Switches switches_of(const Scene& scene) {
     return fmt::format("grains of {} replace air below y = {:.6g}",
                        scene.materials[scene.feed->material].name, scene.feed->level);
   });
+  add(scene.start.has_value(), "start", [&] {
+    return fmt::format("begins with {} at t = {:.6g}; fill is not read", scene.start->run,
+                       scene.start->time.value_or(0));
+  });
   const Rheology& r = scene.rheology;
   const bool friction = r.law != Law::newtonian;  // without it what follows is not used
   add(r.law != Law::mu_I, "physics.rheology.law", [&] {
@@ -156,6 +161,16 @@ Switches switches_of(const Scene& scene) {
     return fmt::format("{} x {} viscous solves and {} projections a step, rotational {}", split.outer,
                        split.picard, split.outer, split.rotational);
   });
+  add(scene.accuracy.extrapolate > 0 && !scene.orifices.empty(), "accuracy.extrapolate", [&] {
+    std::string grids;
+    for (int k = scene.accuracy.extrapolate; k > 0; --k) {
+      const Patch patch = coarser(scene, k).patch();
+      grids += fmt::format("{} x {}{}", patch.nx, patch.ny, k > 1 ? ", " : "");
+    }
+    return fmt::format("runs on {} cells too, before this one, and extrapolates the discharge", grids);
+  });
+  add(scene.accuracy.vof == VofFlux::upwind, "accuracy.vof",
+      [] { return std::string("upwind: what leaves a cell is mixed; no interface is reconstructed"); });
   add(scene.accuracy.precision == Precision::full, "accuracy.precision",
       [] { return std::string("full: the preconditioner in double, twice its memory"); });
   add(scene.accuracy.extra_sweeps > 0, "accuracy.extra_sweeps", [&] {
@@ -181,6 +196,43 @@ std::string well_posedness_text(const Scene& scene) {
   std::string text;
   for (const Material& m : scene.materials) text += fmt::format("  {}: {}", m.name, well_posedness(scene, m));
   return text;
+}
+
+std::string steady_text(const Scene& given) {
+  Scene scene = given;
+  resolve_model(scene);
+  const auto form = [](OrificeForm f) {
+    return f == OrificeForm::slot ? "as wide as they are" : "as points";
+  };
+  std::string text;
+  double Q = 0;
+  if (scene.model == Model::kinematic) {
+    const Kinematic& k = *scene.kinematic;
+    Q = *k.Q;
+    text = fmt::format("Model kinematic: dv/dy = B d2v/dx2, u = -B dv/dx, B = {:.6g}, orifices {}\n", *k.B,
+                       form(k.orifices));
+  } else if (scene.model == Model::stochastic) {
+    const Stochastic& k = *scene.stochastic;
+    Q = *k.Q;
+    text = fmt::format("Model stochastic: spots of L_s = {:.6g} drift and diffuse upwards, orifices {}{}\n",
+                       *k.L_s, form(k.orifices),
+                       k.spot > 0 ? fmt::format(", averaged over {:.6g} along x", k.spot) : "");
+  } else {
+    const Radial& r = *scene.radial;
+    Q = *r.Q;
+    const auto field = radial_field(radial_hopper(scene));
+    const auto wall = field ? field->at(*r.half_angle * M_PI / 180) : RadialField::Point{};
+    text = fmt::format(
+        "Model radial: {} of half-angle {:.6g}, phi = {:.6g}, phi_w = {:.6g} degrees\n"
+        "  stress q = {:.6g} on the axis, {:.6g} at the wall; speed at the wall {:.6g} of that on the axis\n",
+        scene.axisymmetric() ? "cone" : "wedge", *r.half_angle, *r.phi, *r.phi_w,
+        field ? field->q_axis() : NAN, wall.q, wall.f);
+  }
+  return text + fmt::format(
+                    "  discharge Q = {:.6g}, which the model is given and does not predict\n"
+                    "One steady field in closed form, one frame; nothing is stepped: {} cells, well under a "
+                    "second, pictures apart.\n",
+                    Q, scene.patch().cells());
 }
 
 std::vector<ArrayGroup> arrays_of(const Simulation& simulation) {

@@ -25,6 +25,9 @@ std::string text_of(const Switches& switches);
 /// there is none, and what holds the short waves; a line or more each.
 std::string well_posedness_text(const Scene& scene);
 
+/// Of a model in closed form: the formula with its parameters, discharge, what is stored, and how long it takes here.
+std::string steady_text(const Scene& scene);
+
 /// Arrays that live as long as the run.
 struct ArrayGroup {
   std::string name;    ///< of Simulation::memory()

@@ -99,12 +99,28 @@ long peak_memory_bytes() {
   return usage.ru_maxrss * 1024L;
 }
 
-std::string to_json(const Summary& s) {
+std::string to_json(const Extrapolation& e) {
+  std::vector<std::string> cells, rates;
+  for (const long n : e.cells) cells.push_back(json_number(n));
+  for (const double rate : e.discharge_rates) rates.push_back(json_number(rate));
+  return json_object({{"cells", json_array(cells)},
+                      {"discharge_rates", json_array(rates)},
+                      {"order", json_number(e.order)},
+                      {"discharge_rate", json_number(e.discharge_rate)},
+                      {"error_bar", json_number(e.error_bar)},
+                      {"quasi_static_fraction", json_number(e.quasi_static_fraction)},
+                      {"quasi_static_error_bar", json_number(e.quasi_static_error_bar)},
+                      {"seconds", json_number(e.seconds)}},
+                     2);
+}
+
+std::string to_json(const Summary& s, Model model) {
   JsonMembers stages;
   for (const auto& [stage, seconds] : s.stages) stages.emplace_back(stage, json_number(seconds));
   std::vector<std::string> warnings;
   for (const std::string& warning : s.warnings) warnings.push_back(json_string(warning));
-  return json_object({{"status", json_string(name_of(s.status))},
+  JsonMembers members{{"model", json_string(model_names[static_cast<int>(model)])},
+                      {"status", json_string(name_of(s.status))},
                       {"reason", json_string(s.reason)},
                       {"discharge_rate", json_number(s.discharge_rate)},
                       {"discharge_constant", json_number(s.discharge_constant)},
@@ -123,8 +139,21 @@ std::string to_json(const Summary& s) {
                       {"threads", json_number(long{s.threads})},
                       {"stages", json_object(stages, 2)},
                       {"warnings", json_array(warnings)},
-                      {"provenance", to_json(provenance(s.threads), 2)}}) +
-         '\n';
+                      {"provenance", to_json(provenance(s.threads), 2)}};
+  if (s.extrapolation) {
+    const auto after = std::find_if(members.begin(), members.end(),
+                                    [](const auto& member) { return member.first == "discharge_window"; });
+    members.insert(after + 1, {"extrapolation", to_json(*s.extrapolation)});
+  }
+  return json_object(members) + '\n';
+}
+
+std::string text_of(const Extrapolation& e) {
+  return fmt::format(
+      "extrapolated from {} grids: discharge rate {:.6g} +- {:.2g} (order {:.2g}), quasi-static share "
+      "{:.4g} +- {:.2g}; {:.6g} on the finest",
+      e.cells.size(), e.discharge_rate, e.error_bar, e.order, e.quasi_static_fraction,
+      e.quasi_static_error_bar, e.discharge_rates.back());
 }
 
 std::shared_ptr<spdlog::logger> open_log(const fs::path& path) {
@@ -155,7 +184,8 @@ struct RunFolder::Impl {
   Impl(const Scene& scene, const std::string& resolved_yaml, const RunOptions& options,
        const std::vector<std::string>& warnings)
       : path(options.out.empty() ? default_run_folder(scene.name) : options.out), info(info_of(scene)),
-        stored(stored_fields(scene)), drawn(asked_fields(scene)), progress(options.quiet) {
+        model(scene.model), draws(scene.output.snapshots_every > 0), stored(stored_fields(scene)),
+        drawn(asked_fields(scene)), progress(options.quiet) {
     make_way(path, options.force);
     std::error_code error;
     fs::create_directories(path, error);
@@ -180,8 +210,26 @@ struct RunFolder::Impl {
     fmt::print(stderr, "warning: {}\n", warning);
   }
 
+  /// A picture of each field; none, with a warning, where there is no OpenGL.
+  void draw(const Frame& frame) {
+    try {
+      fs::create_directories(path / "snapshots");
+      for (const std::string& field : drawn)
+        render_png(picture_of(field, frame, info), snapshot_path(path, field, snapshots));
+      ++snapshots;
+    } catch (const NoGraphics& error) {
+      can_draw = false;
+      fs::remove(path / "snapshots");
+      own_warnings.push_back(
+          fmt::format("no snapshots: {}. Draw them later with 'hourglass render'.", error.what()));
+      warn(own_warnings.back());
+    }
+  }
+
   const fs::path path;
   const RunInfo info;
+  const Model model;
+  const bool draws;
   const std::vector<std::string> stored, drawn;  ///< names of fields
   std::shared_ptr<spdlog::logger> log;
   std::optional<SeriesFile> series;
@@ -226,21 +274,15 @@ void RunFolder::on_fields(const Simulation& simulation) {
 void RunFolder::on_snapshot(const Simulation& simulation) {
   if (!impl_->can_draw) return;
   const auto start = Clock::now();
-  try {
-    fs::create_directories(impl_->path / "snapshots");
-    const Frame frame = frame_of(simulation, impl_->stored);
-    for (const std::string& field : impl_->drawn) {
-      render_png(picture_of(field, frame, impl_->info), snapshot_path(impl_->path, field, impl_->snapshots));
-    }
-    ++impl_->snapshots;
-  } catch (const NoGraphics& error) {
-    impl_->can_draw = false;
-    fs::remove(impl_->path / "snapshots");
-    impl_->own_warnings.push_back(
-        fmt::format("no snapshots: {}. Draw them later with 'hourglass render'.", error.what()));
-    impl_->warn(impl_->own_warnings.back());
-  }
+  impl_->draw(frame_of(simulation, impl_->stored));
   impl_->writing += Clock::now() - start;
+}
+
+void RunFolder::write(const SteadyFlow& flow) {
+  on_series(flow.row);
+  const Frame frame = frame_of(flow, impl_->stored);
+  if (impl_->frames) impl_->frames->write(frame);
+  if (impl_->draws) impl_->draw(frame);
 }
 
 void RunFolder::on_step(const StepReport& report, double fraction_done) {
@@ -258,13 +300,19 @@ void RunFolder::on_step(const StepReport& report, double fraction_done) {
 
 void RunFolder::on_warning(const std::string& warning) { impl_->warn(warning); }
 
+void RunFolder::say(const std::string& line) {
+  impl_->log->info("{}", line);
+  impl_->progress.say(line);
+}
+
 void RunFolder::finish(const Summary& of_simulation) {
   Summary summary = of_simulation;
   summary.warnings.insert(summary.warnings.end(), impl_->own_warnings.begin(), impl_->own_warnings.end());
-  write_atomically(impl_->path / "summary.json", to_json(summary));
+  write_atomically(impl_->path / "summary.json", to_json(summary, impl_->model));
   const std::string how = fmt::format("{}: {}; {} steps in {}", name_of(summary.status), summary.reason,
                                       summary.steps, duration_text(summary.wall_seconds));
   impl_->log->info("{}", how);
+  if (summary.extrapolation) say(text_of(*summary.extrapolation));
   impl_->progress.say(fmt::format("{}: {}", impl_->path.string(), how));
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "solver/simulation.hpp"
+#include "solver/steady_flow.hpp"
 
 namespace hourglass {
 
@@ -37,6 +38,11 @@ class RunFolder : public Observer {
   void on_snapshot(const Simulation& simulation) override;
   void on_step(const StepReport& report, double fraction_done) override;
   void on_warning(const std::string& warning) override;
+
+  /// A line for the log and, unless quiet, for standard output.
+  void say(const std::string& line);
+  /// All of a model that is a steady field: a row of the series, a frame, the pictures.
+  void write(const SteadyFlow& flow);
 
   /// Ends the progress line and writes summary.json, in room that was claimed at the start: a run that ends for
   /// want of room on the disk has one too.

@@ -9,9 +9,19 @@ namespace hourglass {
 /// What the words of `accuracy` stand for. The Courant number is a matter of the scene, not of these.
 inline constexpr std::array accuracy_names{"fast", "balanced", "accurate"};
 inline constexpr std::array<Accuracy, 3> accuracy_presets{
-    Accuracy{.viscous_tolerance = 5e-3, .pressure_tolerance = 1e-5, .fluidity_tolerance = 3e-2},
-    Accuracy{.viscous_tolerance = 1e-3, .pressure_tolerance = 3e-6, .fluidity_tolerance = 1e-2},
-    Accuracy{.viscous_tolerance = 1e-4, .pressure_tolerance = 1e-8, .fluidity_tolerance = 1e-3},
+    Accuracy{.viscous_tolerance = 5e-3,
+             .pressure_tolerance = 1e-5,
+             .fluidity_tolerance = 3e-2,
+             .cells_across_orifice = 8},
+    Accuracy{.viscous_tolerance = 1e-3,
+             .pressure_tolerance = 3e-6,
+             .fluidity_tolerance = 1e-2,
+             .cells_across_orifice = 16},
+    Accuracy{.viscous_tolerance = 1e-4,
+             .pressure_tolerance = 1e-8,
+             .fluidity_tolerance = 1e-3,
+             .cells_across_orifice = 32,
+             .extrapolate = 2},
 };
 
 /// Which keys place and size an insert depends on its shape.
@@ -49,9 +59,27 @@ void visit_scene(Visitor& v, Scene& s) {
     v.choice("symmetry", s.symmetry, symmetry_names);
     v.choice("coordinates", s.coordinates, coordinates_names);
   });
-  v.map("grid", [&] { v.integer("cells_x", s.cells_x, "the number of cells across the width"); });
+  v.map("grid", [&] { v.integer_or("auto", "cells_x", s.cells_x); });
   v.pair("gravity", s.gravity, si ? "in SI units, e.g. [0, -9.81]" : nullptr);
-  v.fixed("model", "mu_I", {"kinematic", "stochastic", "radial"});
+  v.choice("model", s.model, model_names);
+  v.module("kinematic", s.kinematic, [&](Kinematic& k) {
+    v.number("B", k.B);
+    v.number("Q", k.Q);
+    v.choice("orifices", k.orifices, orifice_form_names);
+  });
+  v.module("stochastic", s.stochastic, [&](Stochastic& k) {
+    v.number("L_s", k.L_s);
+    v.number("Q", k.Q);
+    v.choice("orifices", k.orifices, orifice_form_names);
+    v.number("spot", k.spot);
+  });
+  v.module("radial", s.radial, [&](Radial& r) {
+    v.number("phi", r.phi);
+    v.number("phi_w", r.phi_w);
+    v.number("half_angle", r.half_angle);
+    v.number("Q", r.Q);
+    v.choice("wall_angle", r.wall_angle, wall_angle_names);
+  });
   v.map("air", [&] {
     v.choice("model", s.air.model, air_model_names);
     v.number("density", s.air.density);
@@ -70,8 +98,14 @@ void visit_scene(Visitor& v, Scene& s) {
             v.number("phi_g", m.phi_g);
             v.number("F", m.F);
           });
+  v.module("start", s.start, [&](Start& start) {
+    v.text("run", start.run);
+    v.number("time", start.time);
+  });
   v.list("fill", s.fill,
-         "what the domain holds at the start, e.g. - {material: sand, box: {x: [0, 150], y: [0, 135]}}",
+         s.start
+             ? nullptr
+             : "what the domain holds at the start, e.g. - {material: sand, box: {x: [0, 150], y: [0, 135]}}",
          [&](Fill& f) {
            v.material("material", f.material, s.materials, "the name of a material, or air");
            v.shape(f.points);
@@ -160,6 +194,9 @@ void visit_scene(Visitor& v, Scene& s) {
       v.integer("backup_every", s.accuracy.backup_every);
       v.choice("precision", s.accuracy.precision, precision_names);
       v.choice("solids", s.accuracy.solids, solid_model_names);
+      v.choice("vof", s.accuracy.vof, vof_flux_names);
+      v.integer("cells_across_orifice", s.accuracy.cells_across_orifice);
+      v.integer("extrapolate", s.accuracy.extrapolate);
       v.map("splitting", [&] {
         v.integer("outer", s.accuracy.splitting.outer);
         v.integer("picard", s.accuracy.splitting.picard);

@@ -61,6 +61,16 @@ class SceneReader {
       value = static_cast<Integer>(read);
   }
 
+  /// Or this word, which leaves the value as it is.
+  template <class Integer>
+  void integer_or(const char* word, const char* key, Integer& value) {
+    const YamlNode* node = here().node ? here().node->find(key) : nullptr;
+    if (node && node->kind == Kind::scalar && node->text == word)
+      child(key);
+    else
+      integer(key, value);
+  }
+
   void pair(const char* key, std::array<double, 2>& value, const char* required = nullptr) {
     const YamlNode* node = child(key, required);
     if (node) read_pair(*node, join(here().path, key), value);
@@ -83,24 +93,18 @@ class SceneReader {
   bool choice(const char* key, Enum& value, const std::array<const char*, n>& words,
               const char* required = nullptr) {
     const YamlNode* node = child(key, required);
-    const int index = node ? read_word(*node, key, {words.begin(), words.end()}, {}) : -1;
+    const int index = node ? read_word(*node, key, {words.begin(), words.end()}) : -1;
     if (index < 0) return false;
     value = static_cast<Enum>(index);
     return true;
   }
-  /// The only word for a key; those of `unmodelled` are known but not to this version.
-  void fixed(const char* key, const char* word, std::initializer_list<const char*> unmodelled) {
-    if (const YamlNode* node = child(key))
-      read_word(*node, key, {word}, {unmodelled.begin(), unmodelled.end()});
-  }
-
   /// Whether a single word stands where there could be a map; `index` is -1 if it is none of the words.
   template <std::size_t n>
   bool word(const char* key, int& index, const std::array<const char*, n>& words) {
     const YamlNode* node = here().node ? here().node->find(key) : nullptr;
     if (!node || node->kind != Kind::scalar) return false;
     child(key);
-    index = read_word(*node, key, {words.begin(), words.end()}, {}, ", or a map");
+    index = read_word(*node, key, {words.begin(), words.end()}, ", or a map");
     return true;
   }
 
@@ -109,7 +113,7 @@ class SceneReader {
   void preset(const char* key, T& value, const std::array<const char*, n>& words,
               const std::array<T, n>& values) {
     const YamlNode* node = child(key);
-    const int index = node ? read_word(*node, key, {words.begin(), words.end()}, {}) : -1;
+    const int index = node ? read_word(*node, key, {words.begin(), words.end()}) : -1;
     if (index >= 0) value = values[index];
   }
 
@@ -174,7 +178,7 @@ class SceneReader {
     if (!node) return;
     std::vector<std::string> names{"air"};
     for (const Material& m : materials) names.push_back(m.name);
-    const int found = read_word(*node, key, names, {});
+    const int found = read_word(*node, key, names);
     if (found >= 0) index = found - 1;
   }
 
@@ -355,19 +359,13 @@ class SceneReader {
   }
 
   int read_word(const YamlNode& node, const char* key, const std::vector<std::string>& words,
-                const std::vector<std::string>& unmodelled, const char* or_else = "") {
+                const char* or_else = "") {
     const auto found = std::find(words.begin(), words.end(), node.text);
     if (node.kind == Kind::scalar && found != words.end()) return static_cast<int>(found - words.begin());
-    if (node.kind == Kind::scalar && contains(unmodelled, node.text)) {
-      report(node, key,
-             fmt::format("'{}' is not modelled by this version; remove it (allowed: {}).", node.text,
-                         listed(words)));
-    } else {
-      const std::string near = node.kind == Kind::scalar ? nearest(node.text, words) : "";
-      report(node, key,
-             fmt::format("found {} (allowed: {}{}).{}", what_is(node), listed(words), or_else,
-                         near.empty() ? "" : fmt::format(" Did you mean '{}'?", near)));
-    }
+    const std::string near = node.kind == Kind::scalar ? nearest(node.text, words) : "";
+    report(node, key,
+           fmt::format("found {} (allowed: {}{}).{}", what_is(node), listed(words), or_else,
+                       near.empty() ? "" : fmt::format(" Did you mean '{}'?", near)));
     return -1;
   }
 

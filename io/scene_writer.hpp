@@ -24,6 +24,7 @@ class SceneWriter {
     if (value) number(key, *value);
   }
   void integer(const char* key, long value, const char* = nullptr) { line(key, fmt::format("{}", value)); }
+  void integer_or(const char*, const char* key, long value) { integer(key, value); }
   void pair(const char* key, const std::array<double, 2>& value, const char* = nullptr) {
     line(key, point(value));
   }
@@ -37,7 +38,6 @@ class SceneWriter {
     line(key, words[static_cast<int>(value)]);
     return true;
   }
-  void fixed(const char* key, const char* word, std::initializer_list<const char*>) { line(key, word); }
   template <std::size_t n>
   bool word(const char*, int&, const std::array<const char*, n>&) {
     return false;

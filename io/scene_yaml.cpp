@@ -10,8 +10,10 @@
 #include "io/scene_keys.hpp"
 #include "io/scene_reader.hpp"
 #include "io/scene_writer.hpp"
+#include "io/start.hpp"
 #include "io/yaml_tree.hpp"
 #include "solver/solids.hpp"
+#include "solver/steady_flow.hpp"
 
 namespace hourglass {
 
@@ -60,6 +62,44 @@ void apply_scales(Scene& s, const YamlNode& root, std::vector<SceneReader::Findi
     findings.push_back(
         {gravity ? gravity : &root, "gravity",
          fmt::format("is zero, so these have no default: {}. Give them.", fmt::join(without_scale, ", "))});
+}
+
+/// The stored run that the scene begins with: whether it can, and the time of its frame.
+void find_start(const YamlNode& root, Scene& scene, std::vector<SceneReader::Finding>& findings) {
+  if (!scene.start) return;
+  const YamlNode& node = *root.find("start");
+  try {
+    scene.start->time = start_time(scene);
+  } catch (const std::exception& error) {
+    findings.push_back({&node, "start", fmt::format("{}.", error.what())});
+  }
+}
+
+/// A grid for a file that names none.
+void choose_cells(const YamlNode& root, Loaded& loaded, std::vector<SceneReader::Finding>& findings) {
+  Scene& s = loaded.scene;
+  const YamlNode* grid = root.find("grid");
+  const YamlNode* cells = grid ? grid->find("cells_x") : nullptr;
+  if (cells && cells->text != "auto") return;
+  s.cells_x = Scene{}.cells_x;  // where the domain is wrong already
+  const int across = s.accuracy.cells_across_orifice;
+  if (!(s.width > 0 && s.height > 0 && across > 0)) return;
+  const DefaultCells chosen = default_cells(s);
+  if (chosen.cells_x == 0) {
+    findings.push_back(
+        {grid ? grid : &root, "grid.cells_x",
+         "is missing, and near what accuracy asks for no number of cells gives a whole height and "
+         "coarsens. Give it, or choose a height with a simple ratio to the width."});
+    return;
+  }
+  s.cells_x = chosen.cells_x;
+  std::string why = "across a domain without orifices";
+  if (chosen.narrowest > 0)
+    why = fmt::format("{:.3g} of them across the narrowest orifice", chosen.narrowest / s.width * s.cells_x);
+  if (chosen.fewer)
+    why += fmt::format(" (fewer than the {} asked for: at most {} are chosen without being named)", across,
+                       most_default_cells);
+  loaded.notes.push_back(fmt::format("grid.cells_x: {} chosen by accuracy, {}", s.cells_x, why));
 }
 
 std::string read_text(const std::filesystem::path& path) {
@@ -158,6 +198,10 @@ Loaded load_scene(const std::filesystem::path& path, const std::vector<std::stri
   reader.finish(root);
   apply_scales(scene, root, reader.findings);
   const bool outlet_added = open_outlet(scene);
+  choose_cells(root, loaded, reader.findings);
+
+  find_start(root, scene, reader.findings);
+  resolve_model(scene);
 
   struct Placed {
     int line;

@@ -22,6 +22,7 @@ struct Diagnostic {
 struct Loaded {
   Scene scene;  ///< to be run only if ok()
   std::vector<Diagnostic> diagnostics;
+  std::vector<std::string> notes;  ///< what the file left open and was chosen for it
 
   bool ok() const;  ///< no diagnostic is fatal
 };

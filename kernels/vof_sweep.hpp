@@ -4,7 +4,8 @@
 //   c <- c - (F_upper - F_lower) + s (u_upper - u_lower) dt / h,   s = (c^n > 1/2), frozen for the whole step
 //
 // Weymouth & Yue 2010, JCP 229:2853. F is the area of the phase swept through a face, from the interface
-// reconstructed in the cell upstream. c stays in [0, 1] while (|u| + |v|) dt / h < 1/2.
+// reconstructed in the cell upstream; or, where it is not, that cell's share of what passes (first order: donor cell).
+// Either way c stays in [0, 1] while (|u| + |v|) dt / h < 1/2.
 //
 // Tracers ride on the flux of the grains. Tracer k may fill what the grains and the tracers before it leave,
 // its room, and takes of the flux of its room what a line in the share of the room says: the free surface
@@ -109,7 +110,8 @@ void gather(int i, int j, Value&& value, Block& block) {
 // in: grains, tracers [1], halo filled; velocity [L/T], times what is open of faces; dt_h = dt / h; rows of faces;
 // volume of cells, or none where all are whole. out: flux[0] of the grains, flux[k] of tracer k - 1 [cell areas,
 // positive to + axis], all faces. Through a boundary that is not periodic only air comes in. 24 B/face, and 16 for each tracer.
-template <At face>
+// Without `interfaces` a flux is the cell's share of what passes, whatever lies where in the cell.
+template <At face, bool interfaces = true>
 void vof_fluxes(const CellField& grains, std::span<const CellField> tracers, const Field<face>& velocity,
                 double dt_h, bool periodic, Rows rows, std::span<Field<face>> flux,
                 const CellField* volume = nullptr) {
@@ -141,7 +143,7 @@ void vof_fluxes(const CellField& grains, std::span<const CellField> tracers, con
         room[i - first] = donor;
         F[i] = donor * (u[i] * dt_h);
       }
-      for (int i = first; mixed && i < last; ++i) {
+      for (int i = first; interfaces && mixed && i < last; ++i) {
         if (room[i - first] <= 0 || room[i - first] >= 1 || u[i] == 0) continue;
         Block block;
         gather<face>(donor_i(i), donor_j(i), grains, block);
@@ -162,9 +164,11 @@ void vof_fluxes(const CellField& grains, std::span<const CellField> tracers, con
           const bool pure = donor >= room[i - first] - wisp;
           mixed |= !pure & (donor > 0) & (u[i] != 0);
           share[i - first] = donor;
-          G[i] = pure ? room_flux[i - first] : 0.0;
+          const double rest =
+              interfaces || donor <= 0 ? 0.0 : room_flux[i - first] * (donor / room[i - first]);
+          G[i] = pure ? room_flux[i - first] : rest;
         }
-        for (int i = first; mixed && i < last; ++i) {
+        for (int i = first; interfaces && mixed && i < last; ++i) {
           const double here = share[i - first], others = room[i - first] - here;
           if (here <= 0 || others <= wisp || u[i] == 0) continue;
           const double own = here / room[i - first];

@@ -1,20 +1,10 @@
 #include "perf/roofline.hpp"
 
 #include <fmt/format.h>
-#include <vtkBrush.h>
-#include <vtkContext2D.h>
-#include <vtkContextItem.h>
-#include <vtkNew.h>
-#include <vtkObjectFactory.h>
-#include <vtkPen.h>
-#include <vtkStdString.h>
-#include <vtkTextProperty.h>
-
 #include <algorithm>
 #include <cmath>
 
-#include "io/offscreen.hpp"
-#include "io/scales.hpp"
+#include "io/canvas.hpp"
 
 namespace hourglass::perf {
 namespace {
@@ -22,16 +12,10 @@ namespace {
 // Pixels.
 constexpr int width = 1860, height = 1150, left = 130, bottom = 110, right = 1210, top = 1050;
 constexpr int column = 9, spacing = 40;  // of the two grids of a kernel; between kernels
-constexpr int font = 27, tick = 10;
-constexpr Colour ink{40, 40, 40}, faint{225, 225, 225};
+constexpr int tick = 10;
 
-enum class Align { begin, middle, end };
-
-class Chart : public vtkContextItem {
+class Chart {
  public:
-  static Chart* New();
-  vtkTypeMacro(Chart, vtkContextItem);
-
   std::vector<Ceiling> ceilings;
   struct Kernel {
     std::string name;
@@ -42,8 +26,7 @@ class Chart : public vtkContextItem {
   int small = 0, large = 0;     ///< the grids drawn
   std::array<double, 2> x{4, 160}, y{5e6, 3e10};
 
-  bool Paint(vtkContext2D* context) override {
-    c_ = context;
+  void draw(const std::filesystem::path& path) {
     const ColourScale scale({0, 1}, false, ColourMap::viridis);
     small_colour_ = scale.colour_at(0.2);
     large_colour_ = scale.colour_at(0.7);
@@ -51,7 +34,7 @@ class Chart : public vtkContextItem {
     for (const Ceiling& ceiling : ceilings) paint_ceiling(ceiling);
     paint_kernels();
     paint_key();
-    return true;
+    canvas_.write(path);
   }
 
  private:
@@ -61,28 +44,16 @@ class Chart : public vtkContextItem {
   double px(double bytes) const { return along(bytes, x, left, right); }
   double py(double rate) const { return along(rate, y, bottom, top); }
 
-  void line(double x0, double y0, double x1, double y1, const Colour& colour, double wide,
-            int type = vtkPen::SOLID_LINE) {
-    c_->GetPen()->SetColor(colour[0], colour[1], colour[2]);
-    c_->GetPen()->SetWidth(static_cast<float>(wide));
-    c_->GetPen()->SetLineType(type);
-    c_->DrawLine(float(x0), float(y0), float(x1), float(y1));
+  void line(double x0, double y0, double x1, double y1, const Colour& colour, double thickness,
+            bool dashed = false) {
+    canvas_.line({{x0, y0}, {x1, y1}}, colour, thickness, dashed);
   }
   void dot(double at_x, double at_y, const Colour& colour, bool full) {
-    c_->GetPen()->SetColor(colour[0], colour[1], colour[2]);
-    c_->GetPen()->SetWidth(3);
-    c_->GetPen()->SetLineType(vtkPen::SOLID_LINE);
-    const Colour inside = full ? colour : Colour{255, 255, 255};
-    c_->GetBrush()->SetColor(inside[0], inside[1], inside[2]);
-    c_->DrawEllipse(float(at_x), float(at_y), column - 1, column - 1);
+    canvas_.disc(at_x, at_y, 2 * column, colour);
+    if (!full) canvas_.disc(at_x, at_y, 2 * column - 6, blank);
   }
   void text(const std::string& what, double at_x, double at_y, Align across, Align up) {
-    vtkNew<vtkTextProperty> property;
-    style_text(property, font);
-    property->SetJustification(static_cast<int>(across));
-    property->SetVerticalJustification(static_cast<int>(up));
-    c_->ApplyTextProp(property);
-    c_->DrawString(float(std::lround(at_x)), float(std::lround(at_y)), what);
+    canvas_.text(what, at_x, at_y, across, up);
   }
 
   void paint_axes() {
@@ -114,7 +85,7 @@ class Chart : public vtkContextItem {
     line(at_x, at_y, at_x + 75, at_y, ceiling.where == "memory" ? large_colour_ : small_colour_, 4,
          dashes(ceiling));
   }
-  static int dashes(const Ceiling& c) { return c.threads == 1 ? vtkPen::SOLID_LINE : vtkPen::DASH_LINE; }
+  static bool dashes(const Ceiling& c) { return c.threads > 1; }
 
   /// Where the kernels stand: at their bytes, but those that would overlap move apart.
   std::vector<double> places() const {
@@ -175,31 +146,30 @@ class Chart : public vtkContextItem {
     }
   }
 
-  vtkContext2D* c_ = nullptr;
+  Canvas canvas_{width, height};
   Colour small_colour_{}, large_colour_{};
 };
-vtkStandardNewMacro(Chart);
 
 }  // namespace
 
 void draw_roofline(const std::vector<Ceiling>& ceilings, const std::vector<Result>& results,
                    const std::filesystem::path& path) {
-  vtkNew<Chart> chart;
-  chart->ceilings = ceilings;
+  Chart chart;
+  chart.ceilings = ceilings;
   for (const Result& r : results) {
-    chart->small = chart->small == 0 ? r.n : std::min(chart->small, r.n);
-    chart->large = std::max(chart->large, r.n);
+    chart.small = chart.small == 0 ? r.n : std::min(chart.small, r.n);
+    chart.large = std::max(chart.large, r.n);
   }
   for (const Result& r : results) {
-    if (r.threads != 1 || (r.n != chart->small && r.n != chart->large)) continue;
-    auto& kernels = chart->kernels;
+    if (r.threads != 1 || (r.n != chart.small && r.n != chart.large)) continue;
+    auto& kernels = chart.kernels;
     auto same = std::find_if(kernels.begin(), kernels.end(), [&](const auto& k) { return k.name == r.name; });
     if (same == kernels.end()) same = kernels.insert(same, {r.name, r.bytes, {}});
     same->at.push_back(r);
   }
-  std::stable_sort(chart->kernels.begin(), chart->kernels.end(),
+  std::stable_sort(chart.kernels.begin(), chart.kernels.end(),
                    [](const auto& a, const auto& b) { return a.bytes < b.bytes; });
-  draw_png(*chart, width, height, path);
+  chart.draw(path);
 }
 
 }  // namespace hourglass::perf

@@ -64,6 +64,7 @@ void check_orifice(const Scene& s, std::size_t k, Problems& p) {
                                 "{:.6g}). Remove it: the outlet is an orifice by itself.",
                                 o.centre - o.width / 2, o.centre + o.width / 2, from, to));
   }
+  if (s.model != Model::mu_I) return;  // the others know its width without a grid
   const auto cure = [&] { return cells_for(s, o.width, 8, "a wider orifice"); };
   if (cells < 2 - edge_tolerance)
     p.error(path + ".width",

@@ -196,28 +196,40 @@ double start_up_time(const Scene& scene) {
   return scene.g() > 0 ? 2.5 * std::sqrt(widest / scene.g()) : 0;
 }
 
-DischargeWindow discharge(const Scene& scene, const std::vector<std::array<double, 2>>& samples) {
+DischargeWindow discharge(const Scene& scene, const History& mass) {
   DischargeWindow window;
-  if (samples.size() < 2) return window;
-  const double end = samples.back()[0], first_mass = samples.front()[1];
-  double from = start_up_time(scene);
-  if (from > 0.5 * end) from = 0.5 * end;  // a short run: its second half
-  double n = 0, st = 0, sm = 0, stt = 0, stm = 0;
-  window.from = from;
-  for (const auto& [t, m] : samples) {
+  if (mass.size() < 2) return window;
+  const double end = mass.back()[0], first_mass = mass.front()[1];
+  // A start from a stored run goes on from its time.
+  window.from = std::max(0.0, start_up_time(scene) - (scene.start ? scene.start->time.value_or(0) : 0));
+  if (window.from > 0.5 * end) window.from = 0.5 * end;  // a short run: its second half
+  for (const auto& [t, m] : mass)
     // An almost empty silo no longer discharges at its own rate.
-    if (t < from || (m < 0.3 * first_mass && !scene.feed)) continue;
-    const double x = t - from, y = m - first_mass;
+    if (t >= window.from && (m >= 0.3 * first_mass || scene.feed)) window.to = t;
+  window.rate = loss_rate(mass, window.from, window.to);
+  return window;
+}
+
+double loss_rate(const History& history, double from, double to) {
+  double n = 0, st = 0, sy = 0, stt = 0, sty = 0;
+  for (const auto& [t, value] : history) {
+    if (t < from || t > to) continue;
+    const double x = t - from, y = value - history.front()[1];
     n += 1;
     st += x;
-    sm += y;
+    sy += y;
     stt += x * x;
-    stm += x * y;
-    window.to = t;
+    sty += x * y;
   }
   const double spread = n * stt - st * st;
-  if (n >= 2 && spread > 0) window.rate = -(n * stm - st * sm) / spread;
-  return window;
+  return n >= 2 && spread > 0 ? -(n * sty - st * sy) / spread : 0;
+}
+
+std::optional<double> mean_over(const History& history, double from, double to) {
+  double sum = 0, n = 0;
+  for (const auto& [t, value] : history)
+    if (t >= from && t <= to) sum += value, n += 1;
+  return n > 0 ? std::optional(sum / n) : std::nullopt;
 }
 
 }  // namespace hourglass

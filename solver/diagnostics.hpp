@@ -1,5 +1,6 @@
 #pragma once
 // Figures of merit from fields. Masses are per unit depth [M]; sums are row by row in fixed order.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "solver/fields.hpp"
 #include "solver/rheology.hpp"
 #include "solver/scene.hpp"
+#include "solver/simulation.hpp"
 #include "solver/vof.hpp"
 
 namespace hourglass {
@@ -47,7 +49,11 @@ struct DischargeWindow {
   double rate = 0;  ///< least-squares slope of mass over time, negated [M/T]
   double from = 0, to = 0;
 };
-DischargeWindow discharge(const Scene& scene, const std::vector<std::array<double, 2>>& time_and_mass);
+DischargeWindow discharge(const Scene& scene, const History& mass);
+/// Negated least-squares slope of a history between two times; 0 with fewer than two samples there.
+double loss_rate(const History& history, double from, double to);
+/// Mean of a history's samples between two times; nullopt with none there.
+std::optional<double> mean_over(const History& history, double from, double to);
 
 /// How many orifices of the whole silo one of the scene stands for: 2 beside its image in a mirror plane.
 int images(const Scene& scene, const Orifice& orifice);

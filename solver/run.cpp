@@ -283,13 +283,10 @@ class Run {
     r.discharge_window[1] = window.to;
     const double scale = discharge_scale(scene_, total_width(scene_));
     if (scale > 0) r.discharge_constant = window.rate / scale;
-    double share = 0, rows = 0;
-    for (const auto& [time, fraction] : static_over_time_)
-      if (time >= window.from && time <= window.to) {
-        share += fraction;
-        rows += 1;
-      }
-    r.quasi_static_fraction = rows > 0 ? share / rows : simulation_.quasi_static_fraction();
+    const auto share = mean_over(static_over_time_, window.from, window.to);
+    r.quasi_static_fraction = share ? *share : simulation_.quasi_static_fraction();
+    r.mass_over_time = mass_over_time_;
+    r.quasi_static_over_time = static_over_time_;
     r.mass_error = s_.mass_error(initial_mass_);
     r.steps = s_.steps;
     r.cells = scene_.patch().cells();
@@ -310,7 +307,7 @@ class Run {
   const double initial_mass_;
   double mass_;
   const double settle_;  // when the discharge counts as developed
-  std::vector<std::array<double, 2>> mass_over_time_, static_over_time_;
+  History mass_over_time_, static_over_time_;
   SeriesRow last_;  // its outflows are totals
   Summary summary_;
   bool ended_ = false, watched_orifices_ = false;

@@ -125,7 +125,7 @@ bool check_domain(const Scene& s, Problems& p) {
     return false;
   }
   const int ny = static_cast<int>(std::lround(cells_y));
-  if (!coarsens(s.cells_x, ny)) {
+  if (s.model == Model::mu_I && !coarsens(s.cells_x, ny)) {  // others solve nothing on it
     const auto [cx, cy] = coarsest(s.cells_x, ny);
     p.error(
         "grid.cells_x",
@@ -207,7 +207,7 @@ void check_materials(const Scene& s, Problems& p) {
                 "Law newtonian takes it from here.");
     } else {
       if (m.viscosity != 0) p.warn(path + ".viscosity", "is not used: only law newtonian reads it.");
-      if (sound) check_well_posed(s, m, path, p);
+      if (sound && s.model == Model::mu_I) check_well_posed(s, m, path, p);
     }
   }
   const bool air =
@@ -286,7 +286,7 @@ void check_fill(const Scene& s, bool domain_sound, Problems& p) {
       outside = true;
     }
   }
-  if (s.fill.empty())
+  if (s.fill.empty() && !s.start)
     p.error("fill",
             "there is no fill (at least one with grains). Add e.g. - {material: sand, box: {x: [0, 150], "
             "y: [0, 135]}}.");
@@ -324,6 +324,8 @@ void check_numerics(const Scene& s, Problems& p) {
             a.viscous_tolerance, "above 0, below 1", "1e-3 is balanced.");
   p.require(a.pressure_tolerance > 0 && a.pressure_tolerance < 1, "accuracy.pressure_tolerance",
             a.pressure_tolerance, "above 0, below 1", "3e-6 is balanced.");
+  p.require(a.cells_across_orifice >= 2 && a.cells_across_orifice <= 1024, "accuracy.cells_across_orifice",
+            a.cells_across_orifice, "2 to 1024", "16 is balanced.");
   p.require(a.max_iterations >= 1, "accuracy.max_iterations", a.max_iterations, ">= 1");
   p.require(a.extra_sweeps >= 0 && a.extra_sweeps <= 8, "accuracy.extra_sweeps", a.extra_sweeps, "0 to 8");
   p.require(a.backup_every >= 0, "accuracy.backup_every", a.backup_every, ">= 0; 0 keeps none");
@@ -387,6 +389,43 @@ void check_modules(const Scene& s, Problems& p) {
               "1e-5 sqrt(g d) is the default.");
     for (const double v : f.wall_velocity)
       if (!std::isfinite(v)) p.error(path + ".wall_velocity", fmt::format("{} is not finite.", v));
+  }
+}
+
+/// Call last: the coarser grids are looked at only where this one is sound.
+void check_extrapolation(const Scene& s, Problems& p) {
+  const int grids = s.accuracy.extrapolate;
+  const std::string path = "accuracy.extrapolate";
+  if (!p.require(grids >= 0 && grids <= 2, path, grids, "0 to 2", "0 extrapolates nothing.") || grids == 0)
+    return;
+  if (s.orifices.empty())
+    p.warn(path, "is not used: without an orifice there is no discharge to extrapolate.");
+  if (s.orifices.empty() || !p.is_sound("")) return;
+  double narrowest = s.orifices.front().width;
+  for (const Orifice& o : s.orifices) narrowest = std::min(narrowest, o.width);
+  for (int k = 1; k <= grids; ++k) {
+    const Scene coarse = coarser(s, k);
+    const double across = narrowest * coarse.cells_x / s.width;
+    std::string what;
+    if (coarse.cells_x << k != s.cells_x)
+      what = fmt::format("{} cells across cannot be halved.", s.cells_x >> (k - 1));
+    for (const Problem& problem : check(coarse))
+      if (problem.fatal && what.empty()) what = problem.path + ": " + problem.message;
+    if (what.empty() && across < 4 - edge_tolerance)
+      what = fmt::format("an orifice {:.3g} cells wide there tells nothing of its discharge (at least 4).",
+                         across);
+    if (!what.empty()) {
+      p.error(path,
+              fmt::format("{} needs the scene on {} cells across too: {} Use extrapolate {}, or more cells.",
+                          grids, coarse.cells_x, what, k - 1));
+      return;
+    }
+    if (k == grids && across < 8 - edge_tolerance)
+      p.warn(
+          path,
+          fmt::format("the coarsest of its grids has {:.3g} cells across the narrowest orifice; below 8 the "
+                      "discharge depends on more than the size of cells, and the error bar tells too little.",
+                      across));
   }
 }
 
@@ -458,6 +497,32 @@ bool suits(const Scene& s, int cells_x) {
   return coarsens(cells_x, static_cast<int>(std::lround(cells_y)));
 }
 
+Scene coarser(const Scene& scene, int halvings) {
+  Scene s = scene;
+  s.cells_x >>= halvings;
+  s.accuracy.extrapolate = 0;
+  return s;
+}
+
+DefaultCells default_cells(const Scene& s) {
+  DefaultCells chosen;
+  for (const Orifice& o : s.orifices)
+    if (o.width > 0) chosen.narrowest = chosen.narrowest > 0 ? std::min(chosen.narrowest, o.width) : o.width;
+  const int across = s.accuracy.cells_across_orifice;
+  const double least = chosen.narrowest > 0 ? across * s.width / chosen.narrowest : 8.0 * across;
+  if (!(least > 0 && s.height > 0)) return chosen;
+  chosen.fewer = least > most_default_cells;
+  const int from = chosen.fewer ? most_default_cells : static_cast<int>(std::ceil(least - 1e-9));
+  const int unit = 16, step = chosen.fewer ? -unit : unit;
+  for (int n = (from + unit - 1) / unit * unit; n >= unit && n <= most_default_cells; n += step)
+    if (suits(s, n)) {
+      chosen.cells_x = n;
+      return chosen;
+    }
+  chosen.cells_x = nearest_count(s, from, chosen.fewer ? -1 : +1);
+  return chosen;
+}
+
 std::string cells_for(const Scene& s, double size, double cells, const char* or_else) {
   const double least = cells * s.width / size;
   if (least > 1e6) return or_else;
@@ -472,6 +537,7 @@ bool leaves_over(const Scene& s, Side side) {
 }
 
 int painted(const Scene& s, double x, double y) {
+  if (s.start) return 0;  // whatever the run holds there
   for (auto fill = s.fill.rbegin(); fill != s.fill.rend(); ++fill)
     if (contains(*fill, x, y)) return fill->material;
   return -1;
@@ -485,10 +551,14 @@ std::vector<Problem> check(const Scene& scene) {
   check_fill(scene, domain_sound, problems);
   check_feed(scene, problems);
   check_openings(scene, domain_sound, problems);
-  check_solids(scene, domain_sound, problems);
   check_numerics(scene, problems);
   check_modules(scene, problems);
-  check_time(scene, problems);
+  if (scene.model == Model::mu_I) {
+    check_extrapolation(scene, problems);
+    check_solids(scene, domain_sound, problems);
+    check_time(scene, problems);
+  }
+  check_model(scene, problems);
   return problems.list;
 }
 

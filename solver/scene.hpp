@@ -10,6 +10,7 @@
 
 #include "kernels/granular_laws.hpp"
 #include "kernels/patch.hpp"
+#include "solver/models/radial.hpp"
 
 namespace hourglass {
 
@@ -22,6 +23,12 @@ inline constexpr std::array side_names{"left", "right", "bottom", "top"};
 /// `periodic` comes in the pair left, right.
 enum class Wall { no_slip, free_slip, open, periodic };
 inline constexpr std::array wall_names{"no_slip", "free_slip", "open", "periodic"};
+/// What answers: mu_I solves the flow in time; the others are steady fields in closed form (docs/models.md).
+enum class Model { mu_I, kinematic, stochastic, radial };
+inline constexpr std::array model_names{"mu_I", "kinematic", "stochastic", "radial"};
+/// Orifices of the models kinematic and stochastic: as wide as they are, or all flow through their centres.
+enum class OrificeForm { slot, point };
+inline constexpr std::array orifice_form_names{"slot", "point"};
 enum class Law { mu_I, mu_I_regularised, newtonian };
 inline constexpr std::array law_names{"mu_I", "mu_I_regularised", "newtonian"};
 /// How the viscosity of slow grains meets eta_max: cut off there, or smoothly, by adding (mu_s P / eta_max)^2 to
@@ -51,9 +58,16 @@ inline constexpr std::array edge_rule_names{"half_wall", "free", "wall"};
 /// closed tank still.
 enum class StartPressure { zero, hydrostatic };
 inline constexpr std::array start_pressure_names{"zero", "hydrostatic"};
+/// What holds at the wall of the radial model: solver/models/radial.hpp.
+inline constexpr std::array wall_angle_names{"friction", "thesis"};
 /// Precision inside the preconditioner and the Krylov directions; unknowns and residuals are always double.
 enum class Precision { mixed, full };
 inline constexpr std::array precision_names{"mixed", "full"};
+
+/// What of a cell leaves through a face: what lies there, by the interface reconstructed in the cell (second order), or
+/// the share of each material in the whole cell (first order).
+enum class VofFlux { plic, upwind };
+inline constexpr std::array vof_flux_names{"plic", "upwind"};
 
 /// Solids in the flow; width and height are those of the bounding box, `centre` its middle.
 enum class Shape { square, rectangle, diamond, triangle_up, triangle_down, circle, polygon };
@@ -126,6 +140,13 @@ struct Feed {
   bool operator==(const Feed&) const = default;
 };
 
+/// Begin with a frame of a stored run of the same domain, on any grid, instead of the fills.
+struct Start {
+  std::string run;               ///< its folder
+  std::optional<double> time{};  ///< of the frame nearest to it [T]; nullopt: the last frame
+  bool operator==(const Start&) const = default;
+};
+
 struct Air {
   double density = 1e-3;      ///< [M/L^2] > 0
   double viscosity = 0.0164;  ///< eta [M/T] > 0
@@ -178,6 +199,38 @@ struct WallFriction {
   bool operator==(const WallFriction&) const = default;
 };
 
+// Parameters of the models that are fields in closed form. What is not given here resolve_model() fills in.
+
+/// solver/models/kinematic.hpp
+struct Kinematic {
+  std::optional<double> B{};  ///< [L] > 0; 2 d
+  std::optional<double>
+      Q{};  ///< discharge rate of all orifices of the whole silo [M/T] > 0; discharge_scale() of each
+  OrificeForm orifices = OrificeForm::slot;
+  bool operator==(const Kinematic&) const = default;
+};
+
+/// solver/models/stochastic.hpp
+struct Stochastic {
+  std::optional<double> L_s{};  ///< size of a spot [L] > 0; 4 d
+  std::optional<double> Q{};    ///< as above
+  OrificeForm orifices = OrificeForm::slot;
+  double spot = 0;  ///< width over which the flow is averaged along x [L] >= 0
+  bool operator==(const Stochastic&) const = default;
+};
+
+/// solver/models/radial.hpp; angles in degrees. A wedge, around an axis a cone.
+struct Radial {
+  std::optional<double> phi{};    ///< of internal friction, above 0, below 90; asin(mu_s)
+  std::optional<double> phi_w{};  ///< of wall friction, above 0, at most phi; phi/2
+  std::optional<double>
+      half_angle{};           ///< of the walls against the vertical; that of the hopper, or without one the
+                              ///< slope of the angle of repose, 90 - phi
+  std::optional<double> Q{};  ///< as above
+  WallAngle wall_angle = WallAngle::friction;
+  bool operator==(const Radial&) const = default;
+};
+
 struct TimeControl {
   double end = 0;          ///< [T]; 0: no limit by time
   double cfl = 0.5;        ///< max |u| dt / h near grains, in (0, 0.5]
@@ -210,6 +263,11 @@ struct Accuracy {
   int backup_every = 16;  ///< steps from one state to go back to to the next; 0: none is kept
   Precision precision = Precision::mixed;
   SolidModel solids = SolidModel::cut_cells;
+  VofFlux vof = VofFlux::plic;
+  int cells_across_orifice = 16;  ///< at least, where nobody says how many cells: default_cells()
+  /// On so many coarser grids, each of half the cells across, the scene is run too and its figures of merit are
+  /// extrapolated (studies/extrapolation). 0 to 2.
+  int extrapolate = 0;
   Splitting splitting{};
   bool operator==(const Accuracy&) const = default;
 };
@@ -231,14 +289,19 @@ struct Scene {
   Coordinates coordinates = Coordinates::cartesian;
   int cells_x = 128;                     ///< square cells: cells_y = cells_x height / width
   std::array<double, 2> gravity{0, -1};  ///< [L/T^2]
+  Model model = Model::mu_I;
+  std::optional<Kinematic> kinematic;  ///< these three each for the model of its name
+  std::optional<Stochastic> stochastic;
+  std::optional<Radial> radial;
   Air air;
   std::vector<Material> materials{Material{}};
-  std::vector<Fill> fill;
+  std::vector<Fill> fill;  ///< not read with a start
   std::array<Wall, 4> walls{Wall::no_slip, Wall::no_slip, Wall::no_slip, Wall::open};  ///< by Side
   std::vector<Orifice> orifices;
   std::vector<Insert> inserts;
   std::optional<Hopper> hopper;
   std::optional<Feed> feed;
+  std::optional<Start> start;
   Rheology rheology;
   std::optional<Nonlocal> nonlocal;  ///< what is not named is not modelled, not stored, not paid for
   std::optional<Dilatancy> dilatancy;
@@ -281,6 +344,20 @@ std::optional<std::array<double, 2>> well_posed_range(const Material& material);
 
 /// The law mu_I_regularised of a material; nullopt where mu(I) is well posed nowhere: then it has no I_1 to hold on to.
 std::optional<RegularisedFriction> regularised_friction(const Material& material, const Rheology& rheology);
+
+/// The grid that accuracy.cells_across_orifice asks for: cells across the width.
+struct DefaultCells {
+  int cells_x = 0;       ///< 0: none near has a whole height and coarsens
+  bool fewer = false;    ///< than asked for: `most_default_cells`
+  double narrowest = 0;  ///< width of the narrowest orifice [L]; 0: there is none
+};
+inline constexpr int most_default_cells = 1024;
+/// Enough cells for the narrowest orifice, 8 times as many across the width where there is none; a multiple of 16, so
+/// that the multigrid coarsens well, where the height allows it.
+DefaultCells default_cells(const Scene& scene);
+
+/// The scene on a grid with half the cells across, `halvings` times; alone: it asks for no extrapolation.
+Scene coarser(const Scene& scene, int halvings);
 
 /// A thing wrong with a scene: the dotted path of the key, what is wrong with allowed range and cure.
 struct Problem {

@@ -31,10 +31,10 @@ class Problems {
     return false;
   }
 
-  /// Whether nothing at this path or below it is wrong so far.
+  /// Whether nothing at this path or below it is wrong so far; of the whole scene for none.
   bool is_sound(const std::string& path) const {
     return std::none_of(list.begin(), list.end(), [&](const Problem& p) {
-      return p.fatal && (p.path == path || p.path.starts_with(path + "."));
+      return p.fatal && (path.empty() || p.path == path || p.path.starts_with(path + "."));
     });
   }
 
@@ -47,7 +47,7 @@ bool suits(const Scene& scene, int cells_x);
 /// "cells_x >= 256", for which `size` is at least so many cells; `or_else` if that would be too many.
 std::string cells_for(const Scene& scene, double size, double cells, const char* or_else);
 
-/// The material that the fills paint at a point; -1: air.
+/// The material that the fills paint at a point; -1: air. With a start grains may be anywhere.
 int painted(const Scene& scene, double x, double y);
 
 /// Whether a side is open and gravity does not keep grains from leaving over it.
@@ -58,5 +58,8 @@ void check_openings(const Scene& scene, bool domain_sound, Problems& problems);
 
 /// Inserts, the hopper, and the ways that they leave. Call after the fills and the openings.
 void check_solids(const Scene& scene, bool domain_sound, Problems& problems);
+
+/// What a model in closed form cannot honour or does not use, and its parameters. Call last.
+void check_model(const Scene& scene, Problems& problems);
 
 }  // namespace hourglass

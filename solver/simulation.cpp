@@ -7,10 +7,9 @@
 #include <random>
 #include <stdexcept>
 
-#include "kernels/polygon.hpp"
 #include "solver/diagnostics.hpp"
+#include "solver/painting.hpp"
 #include "solver/simulation_state.hpp"
-#include "solver/solids.hpp"
 #include "solver/time_step.hpp"
 
 namespace hourglass {
@@ -22,38 +21,53 @@ Fields fields_of(const Scene& scene) {
 
 int threads_of(const Scene& scene) { return scene.threads > 0 ? scene.threads : omp_get_num_procs(); }
 
-/// Shares of a cell are the areas of the fills that no later fill hides, exactly.
 void Simulation::Impl::fill() {
-  const Patch& patch = fields.patch();
-  std::vector<Polygon> polygons;
-  for (const Fill& f : scene.fill) polygons.emplace_back(f.points.begin(), f.points.end());
-  const std::size_t fills = polygons.size();
-  std::vector<Polygon> with_solids = polygons;
-  for (Polygon& solid : solids_of(scene)) with_solids.push_back(std::move(solid));
-  std::vector<double> share(scene.materials.size());
-  for (int j = 0; j < patch.ny; ++j)
-    for (int i = 0; i < patch.nx; ++i) {
-      std::fill(share.begin(), share.end(), 0.0);
-      const double open = geometry ? geometry->open_share(i, j) : 1;
-      if (open == 0) continue;
-      for (std::size_t k = 0; k < fills; ++k) {
-        if (scene.fill[k].material < 0) continue;
-        const Polygon part = part_in(polygons[k], patch.x_corner(i), patch.y_corner(j), patch.x_corner(i + 1),
-                                     patch.y_corner(j + 1));
-        share[scene.fill[k].material] +=
-            visible_area(part, open < 1 ? with_solids : polygons, k + 1) / (patch.h * patch.h * open);
-      }
-      double grains = 0;
-      for (double s : share) grains += s;
-      const double rounding = std::abs(grains - 1) < 1e-12 ? 1 / grains : 1;
-      fields.grains(i, j) = std::clamp(grains * rounding, 0.0, 1.0);
-      for (std::size_t k = 0; k < fields.tracers.size(); ++k)
-        fields.tracers[k](i, j) = std::clamp(share[k + 1] * rounding, 0.0, fields.grains(i, j));
-    }
-  if (geometry) fill_solid_shares(*geometry, fields);
+  paint(scene, geometry.get(), fields);
   for (std::size_t k = 0; k < fields.solid.size(); ++k)  // at rest: phi_max
     fields.solid[k] = k == 0 ? fields.grains : fields.tracers[k - 1];
   fill_cell_halo(boundary, fields.grains);
+}
+
+void Simulation::begin_with(const InitialState& state) {
+  Impl& s = *impl_;
+  Fields& f = s.fields;
+  const Patch& patch = f.patch();
+  const std::vector<CellField> shares = regrid(state.shares, patch);
+  const CellField vx = regrid(state.velocity_x, patch), vy = regrid(state.velocity_y, patch);
+  CellField solid;  // as Fields::solid, of all grains
+  if (state.packing.allocated()) {
+    solid = state.shares[0];
+    for (int j = 0; j < solid.ny(); ++j)
+      for (int i = 0; i < solid.nx(); ++i)
+        if (solid(i, j) > 0.5) solid(i, j) *= state.packing(i, j) / s.scene.dilatancy->phi_max;
+    solid = std::move(regrid({state.shares[0], solid}, patch)[1]);
+  }
+  f.p = regrid(state.pressure, patch);
+  for (int j = 0; j < patch.ny; ++j)
+    for (int i = 0; i < patch.nx; ++i) {
+      const bool open = !s.geometry || s.geometry->volume(i, j) > 0;
+      double room = f.grains(i, j) = open ? std::clamp(shares[0](i, j), 0.0, 1.0) : 0.0;
+      for (std::size_t k = 0; k < f.tracers.size(); ++k) {
+        f.tracers[k](i, j) = std::clamp(shares[k + 1](i, j), 0.0, room);
+        room -= f.tracers[k](i, j);
+      }
+      const double loose =
+          solid.allocated() && f.grains(i, j) > 0 ? std::min(solid(i, j) / f.grains(i, j), 1.0) : 1;
+      for (std::size_t k = 0; k < f.solid.size(); ++k)
+        f.solid[k](i, j) = loose * (k == 0 ? f.grains(i, j) : f.tracers[k - 1](i, j));
+    }
+  for (int j = 0; j < patch.ny; ++j)
+    for (int i = 0; i <= patch.nx; ++i)
+      f.u(i, j) = 0.5 * (vx(std::max(i - 1, 0), j) + vx(std::min(i, patch.nx - 1), j));
+  for (int j = 0; j <= patch.ny; ++j)
+    for (int i = 0; i < patch.nx; ++i)
+      f.v(i, j) = 0.5 * (vy(i, std::max(j - 1, 0)) + vy(i, std::min(j, patch.ny - 1)));
+  if (s.geometry) fill_solid_shares(*s.geometry, f);
+  fill_cell_halo(s.boundary, f.grains);
+  s.stepper->fill_halo(f);
+  const CellField p = f.p;
+  s.stepper->project(f, s.scene.time.dt_max);
+  f.p = p;
 }
 
 /// Without air nothing happens above the grains: their rows are left out of everything, by whole numbers of the cells that
@@ -211,7 +225,11 @@ SeriesRow Simulation::Impl::row(const StepReport& report) const {
   return r;
 }
 
-Simulation::Simulation(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {
+Simulation::Simulation(const Scene& scene) {
+  if (scene.model != Model::mu_I)
+    throw std::invalid_argument(fmt::format("model {} is a steady field: there is nothing to step in time",
+                                            model_names[static_cast<int>(scene.model)]));
+  impl_ = std::make_unique<Impl>(scene);
   impl_->fill();
   if (scene.start_pressure == StartPressure::hydrostatic) impl_->stepper->hydrostatic(impl_->fields);
 }
@@ -327,6 +345,10 @@ CellField Simulation::derived(const std::string& name) const {
       for (const CellField& t : f.tracers) share += t(i, j);
       return f.grains(i, j) > 0 ? std::min(share / f.grains(i, j), 1.0) : 0.0;
     });
+  } else if (const std::size_t k = tracer_number(name); k > 0 && k <= f.tracers.size()) {
+    each([&](int i, int j) {
+      return f.grains(i, j) > 0 ? std::min(f.tracers[k - 1](i, j) / f.grains(i, j), 1.0) : 0.0;
+    });
   } else if (name == "viscosity") {
     each([&](int i, int j) { return impl_->stepper->viscosity()(i, j); });
   } else if (name == "shear_rate") {
@@ -362,9 +384,28 @@ CellField Simulation::derived(const std::string& name) const {
   return whole;
 }
 
+std::size_t tracer_number(const std::string& field) {
+  constexpr std::string_view stem = "tracer_";
+  const bool one = field.size() == stem.size() + 1 && field.starts_with(stem) && field.back() >= '1' &&
+                   field.back() <= '9';
+  return one ? static_cast<std::size_t>(field.back() - '0') : 0;
+}
+
 bool has_module(const Scene& scene, const std::string& module) {
   return (module == "nonlocal" && scene.nonlocal) || (module == "dilatancy" && scene.dilatancy) ||
          (module == "wall_friction" && scene.wall_friction);
+}
+
+bool has_field(const Scene& scene, const FieldInfo& field) {
+  if (scene.model != Model::mu_I) {
+    static constexpr std::array steady{"speed", "velocity_x", "velocity_y", "grains"};
+    const std::string name = field.name;
+    return std::ranges::find(steady, name) != steady.end() ||
+           (scene.model == Model::radial && name == "pressure");
+  }
+  if (field.name == std::string("tracer")) return scene.materials.size() > 1;
+  if (const std::size_t k = tracer_number(field.name); k > 0) return k < scene.materials.size();
+  return !field.module || has_module(scene, field.module);
 }
 
 const std::vector<FieldInfo>& known_fields() {
@@ -375,6 +416,10 @@ const std::vector<FieldInfo>& known_fields() {
       {"pressure", "M/T^2", "pressure", false},
       {"grains", "1", "grain fraction", false},
       {"tracer", "1", "tracer share of grains", false},
+      {"tracer_1", "1", "share of the second material", false},
+      {"tracer_2", "1", "share of the third material", false},
+      {"tracer_3", "1", "share of the fourth material", false},
+      {"tracer_4", "1", "share of the fifth material", false},
       {"viscosity", "M/T", "viscosity", true},
       {"shear_rate", "1/T", "shear rate", true},
       {"inertial_number", "1", "inertial number I", true},

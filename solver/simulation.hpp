@@ -1,11 +1,13 @@
 #pragma once
 // One scene from start to end: chooses dt, steps, diagnoses, tells observers, stops.
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "solver/fields.hpp"
+#include "solver/initial_state.hpp"
 #include "solver/scene.hpp"
 #include "solver/solve_stats.hpp"
 
@@ -47,6 +49,19 @@ struct SeriesRow {
 enum class Status { finished, stopped, diverged, interrupted };
 const char* name_of(Status status);
 
+/// A figure of merit over time: [T], value.
+using History = std::vector<std::array<double, 2>>;
+
+/// What accuracy.extrapolate makes of the same scene on several grids; all figures over the same window of time.
+struct Extrapolation {
+  std::vector<long> cells;              ///< of each grid, the coarsest first
+  std::vector<double> discharge_rates;  ///< on each grid [M/T]
+  double order = 0;  ///< at which the discharge was extrapolated; 0: its grids agree on none
+  double discharge_rate = 0, error_bar = 0;                      ///< at vanishing cells, and of it [M/T]
+  double quasi_static_fraction = 0, quasi_static_error_bar = 0;  ///< the same [1]
+  double seconds = 0;                                            ///< that the coarser grids took
+};
+
 /// What summary.json holds of the physics; provenance is io's business.
 struct Summary {
   Status status = Status::finished;
@@ -64,6 +79,9 @@ struct Summary {
   double cell_steps_per_second = 0;
   int threads = 1;
   std::vector<std::pair<std::string, double>> stages;  ///< seconds by stage
+  std::optional<Extrapolation> extrapolation;
+  History mass_over_time;             ///< less what was fed, after each step [M]
+  History quasi_static_over_time;     ///< at each row of the series
   std::vector<std::string> warnings;  ///< guards that spoke, e.g. an open orifice that does not flow
 };
 
@@ -83,7 +101,8 @@ class Observer {
 
 class Simulation {
  public:
-  /// Allocates everything and fills the domain. The scene must be free of fatal problems (check()).
+  /// Allocates everything and fills the domain. The scene must be free of fatal problems (check()) and of model mu_I;
+  /// std::invalid_argument for another, which steady_flow() is for.
   explicit Simulation(const Scene& scene);
   ~Simulation();
 
@@ -92,6 +111,10 @@ class Simulation {
   /// Steps to the end of the scene, telling the observers. An exception of an observer ends the run as
   /// `interrupted`, with its words as the reason.
   Summary run(const std::vector<Observer*>& observers = {});
+
+  /// Replaces what the fills put into the domain, before the first step. Grains and tracers keep their volumes where there
+  /// are no solids and no axis; the velocity is interpolated to faces and made free of divergence.
+  void begin_with(const InitialState& state);
 
   const Scene& scene() const;
   /// With air model none they end some rows above the grains.
@@ -128,7 +151,13 @@ struct FieldInfo {
 };
 const std::vector<FieldInfo>& known_fields();
 
+/// k of the field tracer_k, the share of material k in the grains; 0: it is no such field.
+std::size_t tracer_number(const std::string& field);
+
 /// Whether a scene has the block of this name under physics: ("nonlocal", "dilatancy", "wall_friction").
 bool has_module(const Scene& scene, const std::string& module);
+
+/// Whether a run of the scene has the field: by its model, modules and materials.
+bool has_field(const Scene& scene, const FieldInfo& field);
 
 }  // namespace hourglass

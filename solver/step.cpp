@@ -25,7 +25,7 @@ class StepperOf final : public Stepper {
  public:
   StepperOf(const Scene& scene, const Boundary& boundary, const Geometry* geometry, int threads)
       : scene_(scene), boundary_(boundary), geometry_(geometry), threads_(threads), patch_(scene.patch()),
-        vof_(patch_, static_cast<int>(scene.materials.size()), boundary.ends(), geometry),
+        vof_(patch_, static_cast<int>(scene.materials.size()), boundary.ends(), geometry, scene.accuracy.vof),
         rheology_(scene, patch_, boundary, geometry),
         fluidity_(make_fluidity<T>(scene, patch_, boundary, geometry)), mass_(patch_), eta_(patch_),
         star_(patch_),

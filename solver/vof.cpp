@@ -4,8 +4,8 @@
 
 namespace hourglass {
 
-Vof::Vof(const Patch& patch, int materials, Ends ends, const Geometry* geometry)
-    : ends_(ends), geometry_(geometry), owner_(patch), flux_x_(materials, XFaceField(patch)),
+Vof::Vof(const Patch& patch, int materials, Ends ends, const Geometry* geometry, VofFlux flux)
+    : ends_(ends), geometry_(geometry), kind_(flux), owner_(patch), flux_x_(materials, XFaceField(patch)),
       flux_y_(materials, YFaceField(patch)), excess_(patch.ny) {
   if (geometry_) carrier_ = Velocity(patch);
 }
@@ -37,8 +37,9 @@ void Vof::advect(Fields& fields, double dt, bool x_first, int threads) {
 template <At face>
 void Vof::sweep(Team& team, Fields& fields, const Field<face>& velocity, double dt_h,
                 std::span<Field<face>> flux) {
-  vof_fluxes<face>(fields.grains, fields.tracers, velocity, dt_h, ends_.periodic, team.rows(velocity.ny()),
-                   flux, geometry_ ? &geometry_->volume : nullptr);
+  const auto fluxes = kind_ == VofFlux::plic ? vof_fluxes<face, true> : vof_fluxes<face, false>;
+  fluxes(fields.grains, fields.tracers, velocity, dt_h, ends_.periodic, team.rows(velocity.ny()), flux,
+         geometry_ ? &geometry_->volume : nullptr);
   team.sync();
   const Rows rows = team.rows(fields.patch().ny);
   if (geometry_) {

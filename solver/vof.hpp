@@ -1,11 +1,12 @@
 #pragma once
-// Advection of all materials by geometric volume of fluid: two sweeps a step (kernels/vof_sweep.hpp).
+// Advection of all materials by volume of fluid: two sweeps a step (kernels/vof_sweep.hpp).
 #include <span>
 #include <vector>
 
 #include "kernels/geometry.hpp"
 #include "kernels/vof_sweep.hpp"
 #include "solver/fields.hpp"
+#include "solver/scene.hpp"
 
 namespace hourglass {
 
@@ -19,7 +20,8 @@ class Vof {
  public:
   /// Allocates all scratch. `materials` counts material 0, the rest of the grains that no tracer fills.
   /// geometry: nullptr, or what outlives this.
-  Vof(const Patch& patch, int materials, Ends ends = {}, const Geometry* geometry = nullptr);
+  Vof(const Patch& patch, int materials, Ends ends = {}, const Geometry* geometry = nullptr,
+      VofFlux flux = VofFlux::plic);
 
   /// Moves fields.grains and fields.tracers by u and v over dt [T], x sweep first or y sweep first (alternate
   /// for second order). Needs (|u| + |v|) dt < h / 2 to keep the shares in [0, 1] by itself; what lies
@@ -52,6 +54,7 @@ class Vof {
 
   Ends ends_;
   const Geometry* geometry_;
+  VofFlux kind_;
   Velocity carrier_;
   DilationOwner owner_;
   std::vector<XFaceField> flux_x_;

@@ -3,6 +3,9 @@
 #include <ctime>
 #include <exception>
 
+#include "io/start.hpp"
+#include "solver/steady_flow.hpp"
+
 namespace hourglass {
 namespace {
 
@@ -30,7 +33,15 @@ CaseResult run_case(const Scene& scene, const CaseOptions& options) {
   std::vector<Observer*> observers = options.observers;
   observers.push_back(&rows);
   try {
+    if (scene.model != Model::mu_I) {
+      const SteadyFlow flow = steady_flow(scene);
+      for (Observer* observer : observers) observer->on_series(flow.row);
+      result.summary = flow.summary;
+      result.cpu_seconds = cpu_clock() - start;
+      return result;
+    }
     Simulation simulation(scene);
+    begin(simulation);
     if (options.prepare) options.prepare(simulation);
     result.summary = simulation.run(observers);
     if (options.at_end) options.at_end(simulation);

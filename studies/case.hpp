@@ -24,6 +24,7 @@ struct CaseOptions {
 };
 
 /// Runs the scene, which must be free of fatal problems. A case that cannot begin (no memory) has status interrupted.
+/// A model in closed form has one row and neither `prepare` nor `at_end`.
 CaseResult run_case(const Scene& scene, const CaseOptions& options = {});
 
 }  // namespace hourglass

@@ -127,6 +127,8 @@ const std::vector<Cure>& cures() {
 ShearProbe bare_probe(const Scene& scene, double I) {
   if (scene.rheology.law == Law::newtonian)
     throw std::invalid_argument("limits: law newtonian has no friction, so nothing is ill-posed (mu_I).");
+  if (scene.model != Model::mu_I)
+    throw std::invalid_argument("limits: the model of this scene has no friction law (only mu_I).");
   ShearProbe probe;
   probe.scene = scene;
   probe.scene.rheology.law = Law::mu_I;

@@ -52,7 +52,7 @@ class CommandLine(unittest.TestCase):
         return result
 
     def test_help_and_version(self):
-        for command in ([], ["run"], ["check"], ["plan"], ["render"]):
+        for command in ([], ["run"], ["check"], ["plan"], ["limits"], ["render"], ["trade"], ["fit"]):
             result = self.hourglass(*command, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("--help", result.stdout)
@@ -87,7 +87,7 @@ class CommandLine(unittest.TestCase):
             ("orifices", "orifices: [{wall: bottom, centre: 20, width: 2.5}]", "orifices.0.width: the neck is 1 cells"),
             ("time", "time: {cfl: 0.5}", "time: nothing ends this run"),
         ]
-        for command in ("run", "check", "plan"):
+        for command in ("run", "check", "plan", "trade"):
             for key, line, words in cases:
                 with self.subTest(command=command, line=line):
                     self.scene(**{key: line})
@@ -117,6 +117,16 @@ class CommandLine(unittest.TestCase):
         self.assertIn("One projection of noise", result.stdout)
         self.assertEqual(os.listdir(self.folder.name), ["scene.yaml"])
 
+    def test_trade_tells_its_runs_and_writes_nothing(self):
+        self.scene()
+        result = self.hourglass("trade", "scene.yaml", "--dry-run")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        for words in ("balanced", "grid.cells_x=32", "accuracy.viscous_tolerance=", "time.dt_max="):
+            self.assertIn(words, result.stdout)
+        self.assertEqual(os.listdir(self.folder.name), ["scene.yaml"])
+        self.refuse("trade", "scene.yaml", "--budget", "-1")
+        self.refuse("trade", "scene.yaml", "--set", "time={max_steps: 10}", says=["time.end"])
+
     def test_plan_tells_and_writes_nothing(self):
         self.scene(output="output: {fields_every: 0.5, snapshots_every: 0.5, fields: [speed, fluidity_ratio]}")
         before = os.stat(self.path("scene.yaml")).st_mtime_ns
@@ -129,6 +139,58 @@ class CommandLine(unittest.TestCase):
             self.assertIn(words, result.stdout)
         self.assertEqual(os.listdir(self.folder.name), ["scene.yaml"])
         self.assertEqual(os.stat(self.path("scene.yaml")).st_mtime_ns, before)
+
+    def test_models_in_closed_form(self):
+        output = "output: {snapshots_every: 0}"
+        self.scene(time="", output=output)
+        for model in ("kinematic", "stochastic", "radial"):
+            radial = ["--set", "radial={phi: 30, phi_w: 15, half_angle: 20}"] if model == "radial" else []
+            chosen = ["--set", f"model={model}", *radial]
+            with self.subTest(model=model):
+                for command in ("check", "plan"):
+                    result = self.hourglass(command, "scene.yaml", *chosen)
+                    self.assertEqual(result.returncode, 0, result.stderr)
+                    self.assertIn(f"Model {model}", result.stdout)
+                    self.assertNotIn("projection of noise", result.stdout)
+                result = self.hourglass("run", "scene.yaml", "--out", model, *chosen)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                with open(self.path(f"{model}/summary.json")) as file:
+                    summary = json.load(file)
+                self.assertEqual((summary["model"], summary["status"], summary["steps"]), (model, "finished", 0))
+                self.assertAlmostEqual(summary["discharge_constant"], 1, 12)
+                for name in ("scene.yaml", "run.log", "series.csv", "fields.h5", "fields.xdmf"):
+                    self.assertGreater(os.path.getsize(self.path(f"{model}/{name}")), 0)
+                again = self.hourglass("run", f"{model}/scene.yaml", "--out", model + "_again")
+                self.assertEqual(again.returncode, 0, again.stderr)
+                result = self.hourglass("render", model, "--field", "speed")
+                self.assertEqual(result.returncode, 0, result.stderr)
+        self.refuse("run", "scene.yaml", "--set", "model=kinematic", "--set",
+                    "inserts=[{shape: circle, centre: [20, 15], diameter: 8}]",
+                    says=["inserts: model kinematic cannot have solids"])
+        self.refuse("run", "scene.yaml", "--set", "model=radial", "--set", "domain.coordinates=axisymmetric",
+                    "--set", "orifices.0.centre=0", "--set", "materials.sand.mu_s=0.62",
+                    says=["radial.half_angle: 51.6839 degrees is beyond the mass-flow limit"])
+
+    def test_fit(self):
+        self.scene(time="", output="output: {snapshots_every: 0}")
+        result = self.hourglass("run", "scene.yaml", "--out", "run", "--set", "model=kinematic", "--set", "kinematic.B=3",
+                                "--set", "kinematic.Q=50")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        result = self.hourglass("fit", "run", "--csv", "fit.csv")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("B = 3, Q = 50,", result.stdout)
+        with open(self.path("fit.csv")) as file:
+            rows = file.read().splitlines()
+        self.assertEqual(rows[0], "x,y,v,v_fit")
+        for row in rows[1:]:
+            _, _, v, v_fit = map(float, row.split(","))
+            self.assertAlmostEqual(v, v_fit, 5)
+        self.refuse("fit", "run", "--time", "7", says=["time 7 is outside the run"])
+        self.refuse("fit", "no_such_run")
+
+    def test_limits_needs_friction(self):
+        self.scene(materials="materials: {water: {viscosity: 10}}", physics="physics: {rheology: {law: newtonian}}")
+        self.refuse("limits", "scene.yaml", "--set", "fill.0.material=water", says=["law newtonian has no friction"])
 
     def test_run_once_and_only_once(self):
         self.scene()
@@ -192,6 +254,45 @@ class CommandLine(unittest.TestCase):
                 self.assertEqual(process.returncode, status, stderr)
                 with open(os.path.join(out, "summary.json")) as file:
                     self.assertEqual(json.load(file)["status"], "interrupted")
+
+    def test_extrapolation(self):
+        self.scene()
+        sets = ["--set", "grid.cells_x=32", "--set", "accuracy.extrapolate=1"]
+        result = self.hourglass("run", "scene.yaml", *sets, "--out", "run")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("extrapolation: 16 x 16", result.stdout)
+        self.assertIn("extrapolated from 2 grids", result.stdout)
+        with open(self.path("run/summary.json")) as file:
+            summary = json.load(file)
+        told = summary["extrapolation"]
+        self.assertEqual(told["cells"], [256, 1024])
+        self.assertEqual(len(told["discharge_rates"]), 2)
+        self.assertAlmostEqual(told["discharge_rates"][1], summary["discharge_rate"], places=9)
+        self.assertEqual(told["order"], 1.5)
+        self.refuse("run", "scene.yaml", "--set", "accuracy.extrapolate=2", says=["accuracy.extrapolate: 2 needs the scene on"])
+
+        process = subprocess.Popen([PROGRAM, "run", "scene.yaml", *sets, "--set", "time.end=1e6", "--out", "long"],
+                                   cwd=self.folder.name, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        process.stdout.readline()  # a coarser grid is on its way
+        process.send_signal(signal.SIGINT)
+        stderr = process.communicate(timeout=60)[1]
+        self.assertEqual(process.returncode, 130, stderr)
+        with open(self.path("long/summary.json")) as file:
+            summary = json.load(file)
+        self.assertEqual(summary["status"], "interrupted")
+        self.assertIn("on a coarser grid", summary["reason"])
+
+    def test_start_from_a_stored_run(self):
+        self.scene(output="output: {fields_every: 0.5, snapshots_every: 0, fields: [pressure]}")
+        self.assertEqual(self.hourglass("run", "scene.yaml", "--out", "first", "--quiet").returncode, 0)
+        self.scene(fill="start: {run: first}", grid="")
+        result = self.hourglass("run", "scene.yaml", "--out", "second", "--set", "accuracy=fast")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("grid.cells_x: 16 chosen by accuracy", result.stderr)
+        again = self.hourglass("check", "second/scene.yaml")
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.refuse("run", "scene.yaml", "--set", "start.run=nowhere", says=["start: nowhere/fields.h5"])
+        self.refuse("run", "scene.yaml", "--set", "domain.height=20", says=["the domain must be the same"])
 
     def small_disk(self):
         """A folder on a disk of 2 MiB, which takes root."""

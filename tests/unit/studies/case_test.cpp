@@ -20,3 +20,13 @@ TEST_CASE("a case: the summary and every row of its series") {
   CHECK(at_end == 1);
   CHECK(result.cpu_seconds > 0);
 }
+
+TEST_CASE("a case of a model in closed form has one row and its discharge") {
+  Scene scene = silo(32);
+  scene.model = Model::kinematic;
+  const CaseResult result = run_case(scene);
+  CHECK_FALSE(result.failed());
+  REQUIRE(result.series.size() == 1);
+  CHECK(result.series[0].outflow == result.summary.discharge_rate);
+  CHECK(result.summary.discharge_constant == Approx(1).epsilon(1e-14));
+}
