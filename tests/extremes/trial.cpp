@@ -45,7 +45,7 @@ class FiniteSeries : public Observer {
 std::string bad_field(const Simulation& simulation) {
   if (const std::string bad = not_finite(simulation.fields()); !bad.empty()) return bad;
   for (const FieldInfo& info : known_fields()) {
-    if (info.module && !has_module(simulation.scene(), info.module)) continue;
+    if (!has_field(simulation.scene(), info)) continue;
     const CellField field = simulation.derived(info.name);
     for (int j = 0; j < field.ny(); ++j)
       for (int i = 0; i < field.nx(); ++i)
