@@ -56,7 +56,6 @@ class StepperOf final : public Stepper {
 
   void accelerate(Fields& fields, double dt, Timers& timers, StepReport& report) override {
     timers.time("mass", [&] { transport_mass(fields, dt); });
-    if (!surface_) set_inflow_pressure(fields);
     const Splitting& splitting = scene_.accuracy.splitting;
     for (int outer = 0; outer < splitting.outer; ++outer) {
       for (int picard = 0; picard < splitting.picard; ++picard) {
@@ -191,24 +190,6 @@ class StepperOf final : public Stepper {
         fill_ends(boundary_.ends(), mass_.uniform.row(j), nx);
       }
     });
-  }
-
-  /// What comes in through an opening was at rest where p = 0, so it has p = -rho u^2 / 2 there (Bernoulli), in the halo. At
-  /// p = 0 an inflow would bring energy, and a jet could drive itself.
-  void set_inflow_pressure(Fields& fields) {
-    const int nx = patch_.nx, ny = patch_.ny;
-    const auto pressure = [](double open, double inward, double rho) {
-      return open > 0 && inward > 0 ? -0.5 * rho * inward * inward : 0.0;
-    };
-    for (int j = 0; j < ny && !boundary_.periodic_x; ++j) {
-      const double* rho = mass_.density.row(j);
-      fields.p(-1, j) = pressure(boundary_.left.open[j], fields.u(0, j), rho[0]);
-      fields.p(nx, j) = pressure(boundary_.right.open[j], -fields.u(nx, j), rho[nx - 1]);
-    }
-    for (int i = 0; i < nx; ++i) {
-      fields.p(i, -1) = pressure(boundary_.bottom.open[i], fields.v(i, 0), mass_.density(i, 0));
-      fields.p(i, ny) = pressure(boundary_.top.open[i], -fields.v(i, ny), mass_.density(i, ny - 1));
-    }
   }
 
   /// What rounding at the surface took from the solid of a cell must not make its density less than that of air.
