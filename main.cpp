@@ -23,6 +23,7 @@
 #include "io/start.hpp"
 #include "solver/simulation.hpp"
 #include "studies/extrapolation.hpp"
+#include "studies/limits.hpp"
 #include "studies/trade.hpp"
 
 using namespace hourglass;
@@ -53,7 +54,7 @@ struct Arguments {
   std::optional<double> fit_time;
   std::string csv;
   int threads = -1;
-  bool resume = false, force = false, quiet = false, dry_run = false;
+  bool resume = false, force = false, quiet = false, dry_run = false, quick = false;
 };
 
 /// Prints what is wrong with the scene, or doubtful, and what was chosen for it.
@@ -175,6 +176,15 @@ int check(const Arguments& a) {
   return failed;
 }
 
+int limits(const Arguments& a) {
+  const Loaded loaded = load(a);
+  print(loaded);
+  if (!loaded.ok()) return wrong_input;
+  const std::string out = a.out.empty() ? "limits/" + loaded.scene.name : a.out;
+  measure_limits(loaded.scene, {out, a.quick});
+  return finished;
+}
+
 int trade(const Arguments& a) {
   SignalWatch watch;
   const bool ended = hourglass::trade({.scene = a.scene,
@@ -223,6 +233,15 @@ int main(int argc, char** argv) {
       "say what a scene switches on, what it allocates, how many steps and seconds it takes; runs nothing");
   takes_scene(plan_command);
 
+  CLI::App* limits_command = app.add_subcommand(
+      "limits",
+      "measure where short waves grow over the planes of friction and of viscosity, and what each cure does");
+  takes_scene(limits_command);
+  limits_command
+      ->add_option("--out", a.out,
+                   "folder (default: limits/<name of the scene>); what is measured in it stays")
+      ->type_name("DIR");
+  limits_command->add_flag("--quick", a.quick, "a coarse map");
   CLI::App* trade_command = app.add_subcommand(
       "trade", "measure what speed costs in accuracy: every lever, against a reference of the scene's own");
   takes_scene(trade_command);
@@ -284,6 +303,7 @@ int main(int argc, char** argv) {
     if (*run_command) return run(a);
     if (*check_command) return check(a);
     if (*plan_command) return plan(a);
+    if (*limits_command) return limits(a);
     if (*trade_command) return trade(a);
     if (*fit_command) return fit(a);
     return render(a);

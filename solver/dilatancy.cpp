@@ -82,8 +82,9 @@ void DilatancyStage::transport(Fields& fields, const Vof& vof, int threads) {
 }
 
 void DilatancyStage::set_row(const Fields& fields, int j, const double* __restrict I,
-                             const double* __restrict gamma2, const double* __restrict pressure,
-                             const double* __restrict phi_g, const double* __restrict d_sqrt_rho) {
+                             const double* __restrict mu, const double* __restrict gamma2,
+                             const double* __restrict pressure, const double* __restrict phi_g,
+                             const double* __restrict d_sqrt_rho) {
   const int nx = ratio_[0].nx();
   const double phi_max = phi_max_, phi_min = phi_min_;
   if (mode_ == DilatancyMode::weight) {
@@ -108,9 +109,11 @@ void DilatancyStage::set_row(const Fields& fields, int j, const double* __restri
         relax ? K * rate * (phi - aim) : (1 - aim / std::max(phi, 0.1 * phi_min)) * per_time;
     // Cells of the free surface keep their packing: their volume is the reconstruction's.
     const double full = static_cast<double>(grains[i] > 0.99);
-    // Grains dilate and settle no faster than they are sheared, but do not stay crushed.
+    // Grains dilate and settle no faster than they are sheared, but do not stay crushed; and dilating does no more work
+    // against P than friction takes from the flow, or the flow would drive itself.
     const double crushed = std::max(1 - phi_max / std::max(phi, phi_max), 0.0);
-    S[i] = full * std::min(std::max(wanted, -rate), std::max(rate, crushed * per_time));
+    S[i] =
+        full * std::min(std::max(wanted, -rate), std::max(std::min(mu[i], 1.0) * rate, crushed * per_time));
     // S = 0 at the pressure where phi(I) is phi. The secant to there, or to a multiple of P if that is nearer: a tangent
     // would be of no use, for S is steep at small P and level at its bounds. Not nearer than a part of a cell's weight: S
     // made linear over less would pass its bounds by far. Without a slope S does not depend on P.

@@ -4,7 +4,8 @@
 // `source`, `relax`: the mass of grains is carried by itself, phi is what mass and volume say, and the flow dilates
 // towards phi(I):  div u = S,
 //   source: S = (1 - phi(I)/phi) / relaxation_time, a short time: in the limit S = -(1/phi) D phi(I)/Dt;
-//   relax:  S = K |γ̇| (phi - phi(I))  (Pailha & Pouliquen 2009, JFM 633:115);  both bounded by |S| <= |γ̇|.
+//   relax:  S = K |γ̇| (phi - phi(I))  (Pailha & Pouliquen 2009, JFM 633:115);  both bounded by |S| <= |γ̇|, and S <= mu |γ̇|:
+//   dilating against P takes its work from the shear stress, (mu |γ̇| - S) P >= 0.
 // `weight`: the thesis's way, phi(I) weighs in the density alone; its mass is not conserved.
 #include "solver/grain_properties.hpp"
 #include "solver/vof.hpp"
@@ -19,9 +20,9 @@ class DilatancyStage {
   void remember(const Fields& fields, int threads);
   /// After: fields.solid moves with the volumes, by the phi of the cell upstream.
   void transport(Fields& fields, const Vof& vof, int threads);
-  /// phi(I) and S of row j. in along it: I, |γ̇|^2, P, phi_g, d sqrt(rho). No two members set one row.
-  void set_row(const Fields& fields, int j, const double* I, const double* gamma2, const double* pressure,
-               const double* phi_g, const double* d_sqrt_rho);
+  /// phi(I) and S of row j. in along it: I, mu, |γ̇|^2, P, phi_g, d sqrt(rho). No two members set one row.
+  void set_row(const Fields& fields, int j, const double* I, const double* mu, const double* gamma2,
+               const double* pressure, const double* phi_g, const double* d_sqrt_rho);
 
   /// -dS/dP >= 0 [T/M]: S answers to the pressure that it makes within the step, which is what keeps it stable.
   const CellField* compliance() const { return compliance_.allocated() ? &compliance_ : nullptr; }

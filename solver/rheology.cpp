@@ -140,7 +140,8 @@ void RheologyStage::general_row(const Fields& fields, int j, const Modules& modu
     }
   }
   if (modules.dilatancy)
-    modules.dilatancy->set_row(fields, j, I, gamma2, pressure, rows[GrainProperties::phi_g], law.d_sqrt_rho);
+    modules.dilatancy->set_row(fields, j, I, mu, gamma2, pressure, rows[GrainProperties::phi_g],
+                               law.d_sqrt_rho);
   if (modules.fluidity) {
     modules.fluidity->set_row(fields, j, gamma2, pressure, I, mu, rows);
   } else {

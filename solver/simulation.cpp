@@ -187,6 +187,7 @@ void Simulation::Impl::feed() {
       }
       if (open == 0 || before > 0.999) break;
     }
+  fill_cell_halo(boundary, fields.grains);
   fed_mass += volume * patch.h * patch.h * scene.copies() * scene.materials[material].density;
 }
 
@@ -277,8 +278,9 @@ StepReport Simulation::step(double t_limit) {
   s.timers.time("time step", [&] { fastest = fastest_cells(s.fields, s.threads, s.rows); });
   if (!std::isfinite(fastest.near_grains + fastest.air)) throw std::runtime_error(not_finite(s.fields));
   const TimeStep dt = choose_time_step(s.scene, fastest, s.fields.patch().h, s.dt, t_limit - s.t, s.dt_most);
+  s.stepper->advect(s.fields, dt.dt, s.steps % 2 == 0, s.timers);
   s.feed();
-  s.stepper->step(s.fields, dt.dt, s.steps % 2 == 0, s.timers, report);
+  s.stepper->accelerate(s.fields, dt.dt, s.timers, report);
   s.account();
   // A viscous iteration costs about two of the pressure's, and all the rest about two viscous ones.
   s.governor.record(

@@ -46,12 +46,15 @@ class StepperOf final : public Stepper {
 
   void set_threads(int threads) override { threads_ = threads; }
 
-  void step(Fields& fields, double dt, bool x_first, Timers& timers, StepReport& report) override {
+  void advect(Fields& fields, double dt, bool x_first, Timers& timers) override {
     for (int j = 0; boundary_.periodic_x && j < patch_.ny; ++j) wrap_row(fields.p.row(j), patch_.nx);
     if (with_modules && dilatancy_) timers.time("dilatancy", [&] { dilatancy_->remember(fields, threads_); });
     timers.time("vof", [&] { vof_.advect(fields, dt, x_first, threads_); });
     if (with_modules && dilatancy_)
       timers.time("dilatancy", [&] { dilatancy_->transport(fields, vof_, threads_); });
+  }
+
+  void accelerate(Fields& fields, double dt, Timers& timers, StepReport& report) override {
     timers.time("mass", [&] { transport_mass(fields, dt); });
     const Splitting& splitting = scene_.accuracy.splitting;
     for (int outer = 0; outer < splitting.outer; ++outer) {

@@ -20,9 +20,11 @@ class Stepper {
   /// Threads of the stages from now on; the results are the same for any number.
   virtual void set_threads(int threads) = 0;
 
-  /// Advances fields by dt. in: fields with velocity halos; out: the same at n+1. Fills the solver part of
-  /// the report.
-  virtual void step(Fields& fields, double dt, bool x_first, Timers& timers, StepReport& report) = 0;
+  /// The first half of a step of dt: moves the grains. in: fields with velocity halos.
+  virtual void advect(Fields& fields, double dt, bool x_first, Timers& timers) = 0;
+  /// The second: what moves them next. out: fields at n+1. Fills the solver part of the report. Grains that are added
+  /// between the two have a velocity without divergence when they are moved.
+  virtual void accelerate(Fields& fields, double dt, Timers& timers, StepReport& report) = 0;
   /// What lies in solids, in air that is not solved, and in the halo of the velocity follows from the rest.
   virtual void fill_halo(Fields& fields) const = 0;
   /// Takes nothing over from the step before: the fields are other ones now.

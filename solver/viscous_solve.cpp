@@ -1,7 +1,5 @@
 #include "solver/viscous_solve.hpp"
 
-#include <utility>
-
 #include "kernels/rheology.hpp"
 
 namespace hourglass {
@@ -44,6 +42,12 @@ void ViscousSolve<T>::assemble(Team& team, const CellField& eta, bool harmonic, 
     for (int i = 0; i < m.n; ++i) m.data[i] *= T(kind[i] == FreeSurface::grains_beside);
   }
   if (with_modules && drag.force) add_drag(rows, drag, u, star);
+  if (team.leads()) has_drag_ = geometry_ || drag.force;
+  for (int j = rows.begin; (geometry_ || drag.force) && j < std::min(rows.end, ny); ++j) {
+    double sum = 0;
+    for (int i = 0; i < nx; ++i) sum += density(i, j) * (geometry_ ? geometry_->volume(i, j) : 1);
+    inertia_[j] = scale * sum;
+  }
   team.sync();
   for (int j = rows.begin; !geometry_ && j < rows.end; ++j)
     corner_viscosity_row(a.eta_c, level.boundary(), harmonic, j, a.eta_n);
@@ -70,18 +74,14 @@ void ViscousSolve<T>::set_coefficients_in_geometry(Rows rows, const CellField& e
   };
   const auto face = [&](T* m, int n, const double* aperture, const double* wall, double* velocity,
                         auto&& side1, auto&& side2) {
-    double drag = 0;
     for (int i = 0; i < n; ++i) {
       const auto [v1, rho1, eta1] = side1(i);
       const auto [v2, rho2, eta2] = side2(i);
       const double mass = 0.5 * scale * (v1 * rho1 + v2 * rho2);
       const double shear = wall[i] > 0 ? wall[i] * at_wall(v1, eta1, v2, eta2) : 0;
       m[i] = static_cast<T>(aperture[i] > 0 ? mass + shear : 0);
-      if (!(shear > 0)) continue;
-      velocity[i] *= mass / (mass + shear);  // the right-hand side is that of the mass alone
-      drag += shear;
+      if (shear > 0) velocity[i] *= mass / (mass + shear);  // the right-hand side is that of the mass alone
     }
-    return drag;
   };
   using Side = std::array<double, 3>;
   for (int j = rows.begin; j < rows.end; ++j) {
@@ -94,7 +94,7 @@ void ViscousSolve<T>::set_coefficients_in_geometry(Rows rows, const CellField& e
         if (boundary.periodic_x) i = (i + nx) % nx;
         return i >= 0 && i < nx ? Side{open[i], rho[i], e[i]} : Side{0, 0, 1};
       };
-      drag_[2 * j] = face(
+      face(
           a.mass.u.row(j), nx + 1, g.aperture.u.row(j), g.wall.u.row(j), star.u.row(j),
           [&](int i) { return cell(i - 1); }, cell);
     }
@@ -103,8 +103,7 @@ void ViscousSolve<T>::set_coefficients_in_geometry(Rows rows, const CellField& e
         return k >= 0 && k < ny ? Side{g.volume(i, k), density(i, k), eta(i, k)} : Side{0, 0, 1};
       };
     };
-    drag_[j < ny ? 2 * j + 1 : 2 * j] =
-        face(a.mass.v.row(j), nx, g.aperture.v.row(j), g.wall.v.row(j), star.v.row(j), row(j - 1), row(j));
+    face(a.mass.v.row(j), nx, g.aperture.v.row(j), g.wall.v.row(j), star.v.row(j), row(j - 1), row(j));
     corner_viscosity_row(eta, g, boundary, harmonic, j, a.eta_n);
   }
 }
@@ -118,15 +117,12 @@ void ViscousSolve<T>::add_drag(Rows rows, const WallDrag& drag, const Velocity& 
   const double h2 = force.patch().h * force.patch().h, floor2 = drag.speed_floor * drag.speed_floor;
   const bool periodic = multigrid_.finest().boundary().periodic_x;
   const auto [u_wall, v_wall] = drag.wall_velocity;
-  double added = 0;
   const auto press = [&](T& m, double& velocity, double wall, double k) {
-    added += k;
     const double before = m, total = before + k;
     velocity = (before * velocity + k * wall) / total;
     m = static_cast<T>(total);
   };
   const auto open = [this](int i, int j) { return geometry_ ? geometry_->volume(i, j) : 1.0; };
-  const auto add_to = [&](double& sum) { sum = (geometry_ ? sum : 0) + std::exchange(added, 0); };
   for (int j = rows.begin; j < rows.end; ++j) {
     const int jc = std::min(j, ny - 1);
     const double* f = force.row(jc);
@@ -141,7 +137,6 @@ void ViscousSolve<T>::add_drag(Rows rows, const WallDrag& drag, const Velocity& 
         const double speed = std::sqrt(std::max(along * along + across * across, floor2));
         press(mass.u(i, j), star.u(i, j), u_wall, 0.5 * h2 * (left + right) / speed);
       }
-      add_to(drag_[2 * j]);
     }
     const double *above = force.row(j), *below = force.row(j - 1);
     for (int i = 0; i < nx; ++i) {
@@ -151,7 +146,6 @@ void ViscousSolve<T>::add_drag(Rows rows, const WallDrag& drag, const Velocity& 
       const double speed = std::sqrt(std::max(along * along + across * across, floor2));
       press(mass.v(i, j), star.v(i, j), v_wall, 0.5 * h2 * both / speed);
     }
-    add_to(drag_[j < ny ? 2 * j + 1 : 2 * j]);
   }
 }
 
@@ -166,17 +160,19 @@ SolveStats ViscousSolve<T>::solve(Team& team, Velocity& star, Velocity& x, doubl
     level.mask(star, k);
     level.mask(x, k);
     level.wrap(x, k);
+    const double falling = has_drag_ ? 0 : gravity_speed * gravity_speed;
     double e = 0;
 #pragma omp simd reduction(+ : e)
     for (int i = 0; i < b.n; ++i) {
       const double mass = m[i], speed = b.data[i];
-      e += mass * (speed * speed + gravity_speed * gravity_speed);
+      e += mass * (speed * speed + falling);
       b.data[i] = mass * speed;
     }
-    energy_[k] = e - drag_[k] * gravity_speed * gravity_speed;
+    energy_[k] = e;
   }
   team.sync();
-  const double scale = std::sqrt(energy_.sum());
+  const double inertia = has_drag_ ? 2 * inertia_.sum() : 0;  // of u and of v
+  const double scale = std::sqrt(energy_.sum() + inertia * gravity_speed * gravity_speed);
   SolveStats stats =
       krylov_.solve(team, multigrid_, star, x, {Measure::energy, tolerance * scale, max_iterations});
   if (scale > 0) {

@@ -24,7 +24,7 @@ class ViscousSolve {
                const FreeSurface* surface = nullptr, int extra_sweeps = 0)
       : multigrid_(patch, geometry ? boundary.with_partly_open() : boundary, 1 + extra_sweeps),
         krylov_(patch), geometry_(geometry), surface_(surface), energy_(2 * patch.ny + 1),
-        drag_(2 * patch.ny + 1) {}
+        inertia_(patch.ny) {}
 
   /// Coefficients of all levels. in: eta in cells [M/T], density halo 2 [M/L^2]. Synced on return.
   void assemble(Team& team, const CellField& eta, bool harmonic_corners, const CellField& density,
@@ -57,7 +57,9 @@ class ViscousSolve {
   const Geometry* geometry_;
   const FreeSurface* surface_;
   RowSums energy_;  // by row of the unknown
-  RowSums drag_;    // what it added to the mass, by row of the unknown: no scale of the flow's energy
+  RowSums
+      inertia_;  // by row of cells, where drag adds to the masses of faces: drag is no scale of the flow's energy
+  bool has_drag_ = false;
 };
 
 }  // namespace hourglass

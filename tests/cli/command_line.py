@@ -52,7 +52,7 @@ class CommandLine(unittest.TestCase):
         return result
 
     def test_help_and_version(self):
-        for command in ([], ["run"], ["check"], ["plan"], ["render"], ["trade"], ["fit"]):
+        for command in ([], ["run"], ["check"], ["plan"], ["limits"], ["render"], ["trade"], ["fit"]):
             result = self.hourglass(*command, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("--help", result.stdout)
@@ -187,6 +187,10 @@ class CommandLine(unittest.TestCase):
             self.assertAlmostEqual(v, v_fit, 5)
         self.refuse("fit", "run", "--time", "7", says=["time 7 is outside the run"])
         self.refuse("fit", "no_such_run")
+
+    def test_limits_needs_friction(self):
+        self.scene(materials="materials: {water: {viscosity: 10}}", physics="physics: {rheology: {law: newtonian}}")
+        self.refuse("limits", "scene.yaml", "--set", "fill.0.material=water", says=["law newtonian has no friction"])
 
     def test_run_once_and_only_once(self):
         self.scene()
