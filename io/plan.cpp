@@ -173,6 +173,9 @@ Switches switches_of(const Scene& scene) {
       [] { return std::string("upwind: what leaves a cell is mixed; no interface is reconstructed"); });
   add(scene.accuracy.precision == Precision::full, "accuracy.precision",
       [] { return std::string("full: the preconditioner in double, twice its memory"); });
+  add(scene.accuracy.step_factor != 1, "accuracy.step_factor", [&] {
+    return fmt::format("{} times time.dt_max", scene.accuracy.step_factor);
+  });
   add(scene.accuracy.extra_sweeps > 0, "accuracy.extra_sweeps", [&] {
     return fmt::format("{} more sweeps on every level of a V-cycle", scene.accuracy.extra_sweeps);
   });

@@ -12,7 +12,7 @@ inline constexpr std::array<Accuracy, 3> accuracy_presets{
     Accuracy{.viscous_tolerance = 5e-3,
              .pressure_tolerance = 1e-5,
              .fluidity_tolerance = 3e-2,
-             .cells_across_orifice = 8},
+             .cells_across_orifice = 6},
     Accuracy{.viscous_tolerance = 1e-3,
              .pressure_tolerance = 3e-6,
              .fluidity_tolerance = 1e-2,
@@ -195,6 +195,7 @@ void visit_scene(Visitor& v, Scene& s) {
       v.choice("precision", s.accuracy.precision, precision_names);
       v.choice("solids", s.accuracy.solids, solid_model_names);
       v.choice("vof", s.accuracy.vof, vof_flux_names);
+      v.number("step_factor", s.accuracy.step_factor);
       v.integer("cells_across_orifice", s.accuracy.cells_across_orifice);
       v.integer("extrapolate", s.accuracy.extrapolate);
       v.map("splitting", [&] {

@@ -324,6 +324,8 @@ void check_numerics(const Scene& s, Problems& p) {
             a.viscous_tolerance, "above 0, below 1", "1e-3 is balanced.");
   p.require(a.pressure_tolerance > 0 && a.pressure_tolerance < 1, "accuracy.pressure_tolerance",
             a.pressure_tolerance, "above 0, below 1", "3e-6 is balanced.");
+  p.require(a.step_factor > 0 && a.step_factor <= 100, "accuracy.step_factor", a.step_factor, "above 0, at most 100",
+            "It multiplies time.dt_max.");
   p.require(a.cells_across_orifice >= 2 && a.cells_across_orifice <= 1024, "accuracy.cells_across_orifice",
             a.cells_across_orifice, "2 to 1024", "16 is balanced.");
   p.require(a.max_iterations >= 1, "accuracy.max_iterations", a.max_iterations, ">= 1");

@@ -264,6 +264,7 @@ struct Accuracy {
   Precision precision = Precision::mixed;
   SolidModel solids = SolidModel::cut_cells;
   VofFlux vof = VofFlux::plic;
+  double step_factor = 1;         ///< on TimeControl::dt_max
   int cells_across_orifice = 16;  ///< at least, where nobody says how many cells: default_cells()
   /// On so many coarser grids, each of half the cells across, the scene is run too and its figures of merit are
   /// extrapolated (studies/extrapolation). 0 to 2.

@@ -52,7 +52,7 @@ FastestCells fastest_cells(const Fields& fields, int threads, std::array<RowSums
 
 TimeStep choose_time_step(const Scene& scene, const FastestCells& fastest, double h, double dt_before,
                           double t_left, double dt_most) {
-  TimeStep best{scene.time.dt_max, DtLimit::dt_max};
+  TimeStep best{scene.accuracy.step_factor * scene.time.dt_max, DtLimit::dt_max};
   const auto limit = [&](double dt, DtLimit by) {
     if (dt < best.dt) best = {dt, by};
   };

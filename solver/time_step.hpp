@@ -20,7 +20,7 @@ struct TimeStep {
   DtLimit limit;
 };
 
-/// The smallest of: dt_max; cfl h / speed near grains (geometric VOF keeps the shares in [0, 1] for cfl <=
+/// The smallest of: dt_max, times accuracy.step_factor; cfl h / speed near grains (geometric VOF keeps the shares in [0, 1] for cfl <=
 /// 1/2); 0.9 h / speed in air (upwind advection); growth by a quarter a step from 0.1 sqrt(h / g), because
 /// the pressure of an orifice that opens at once accelerates its edges without bound as h -> 0; what is left
 /// to the end; dt_most of a run that has backed off.

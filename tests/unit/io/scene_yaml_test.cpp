@@ -199,7 +199,7 @@ TEST_CASE("words of accuracy") {
   CHECK(with("fast") == Accuracy{.viscous_tolerance = 5e-3,
                                  .pressure_tolerance = 1e-5,
                                  .fluidity_tolerance = 3e-2,
-                                 .cells_across_orifice = 8});
+                                 .cells_across_orifice = 6});
   CHECK(with("balanced") == Accuracy{});
   const Accuracy accurate{.viscous_tolerance = 1e-4,
                           .pressure_tolerance = 1e-8,

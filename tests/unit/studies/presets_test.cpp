@@ -43,7 +43,8 @@ Figures run(const Sample& sample, const std::string& accuracy) {
   for (const Diagnostic& d : loaded.diagnostics)
     if (d.fatal) FAIL(d.text());
   const CaseResult result = run_case(loaded.scene);
-  CHECK(result.summary.status == Status::finished);
+  INFO(result.summary.reason);
+  REQUIRE(result.summary.status == Status::finished);
   CHECK(result.summary.missed_tolerances == 0);
   CHECK(result.summary.mass_error < 1e-5);
   Figures f{result.summary.discharge_rate, result.summary.quasi_static_fraction, {}};

@@ -1,0 +1,123 @@
+#!/usr/bin/env python3
+"""What the words of `accuracy` cost and buy, scene by scene, against a reference of the scene's own: docs/trade.md.
+
+    scripts/presets.py [--hourglass PATH] [--out DIR] [--only SCENE]
+
+Each word runs with the grid that it chooses. The reference is a Richardson extrapolation from 128, 256 and 512 cells across at the
+tolerances of `accurate` with half the longest step. Runs that are there already are not repeated. Writes
+presets.csv.
+"""
+import argparse
+import bisect
+import csv
+import json
+import os
+import pathlib
+import resource
+import subprocess
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+END = 30
+SCENES = {
+    "silo": ("configs/silo.yaml", []),
+    "two_orifices": ("configs/two_orifices.yaml", []),
+    "diamond_nonlocal": ("configs/inserts/diamond.yaml", ["physics.nonlocal.A=0.5", "orifices.0.width=18.75"]),
+    "layers_friction": ("configs/layers_friction.yaml", []),
+    "uneven_orifices": ("configs/uneven_orifices.yaml", []),  # not used in choosing the words
+}
+COMMON = [f"time.end={END}", "stop={}", "output.fields_every=0", "output.snapshots_every=0", "output.series_every=0.25"]
+RUNS = {
+    "reference": ["accuracy=accurate", "grid.cells_x=512", "time.dt_max=0.0274"],
+    "fast": ["accuracy=fast", "grid.cells_x=auto"],
+    "balanced": ["accuracy=balanced", "grid.cells_x=auto"],
+    "accurate": ["accuracy=accurate", "grid.cells_x=auto"],
+}
+
+
+def run(program, scene, sets, folder, threads):
+    """summary.json of the run, with processor seconds; from the folder if it is there."""
+    done = folder / "presets_run.json"
+    if not done.exists():
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        command = [program, "run", ROOT / scene, "--quiet", "--force", "--threads", str(threads), "--out", folder]
+        for s in COMMON + sets:
+            command += ["--set", s]
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        summary = json.loads((folder / "summary.json").read_text())
+        summary["cpu_seconds"] = after.ru_utime - before.ru_utime
+        done.write_text(json.dumps(summary))
+    return json.loads(done.read_text())
+
+
+def tracer_curve(folder):
+    """Share of what is not the first material in all that has left, at forty times; empty with one material."""
+    with open(folder / "series.csv") as file:
+        rows = list(csv.DictReader(file))
+    names = [c[:-len("_outflow")] for c in rows[0] if c.endswith("_outflow")]
+    if len(names) < 2:
+        return []
+    times, gone, others = [], [], []
+    total = other = last = 0.0
+    for row in rows:
+        t = float(row["t"])
+        flows = [float(row[n + "_outflow"]) for n in names]
+        total += sum(flows) * (t - last)
+        other += sum(flows[1:]) * (t - last)
+        last = t
+        times.append(t), gone.append(total), others.append(other)
+    curve = []
+    for k in range(1, 41):
+        at = min(bisect.bisect_left(times, k * END / 40), len(times) - 1)
+        curve.append(others[at] / gone[at] if gone[at] > 0 else 0.0)
+    return curve
+
+
+def rate_and_share(summary):
+    limit = summary.get("extrapolation") or summary
+    return limit["discharge_rate"], limit["quasi_static_fraction"]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--hourglass", default=ROOT / "hourglass")
+    parser.add_argument("--out", default="presets", type=pathlib.Path)
+    parser.add_argument("--only", choices=SCENES)
+    parser.add_argument("--threads", type=int, default=1)
+    a = parser.parse_args()
+    a.out.mkdir(parents=True, exist_ok=True)
+    rows = []
+    for name, (scene, own) in SCENES.items():
+        if a.only and name != a.only:
+            continue
+        results = {word: run(a.hourglass, scene, own + sets, a.out / f"{name}_{word}", a.threads)
+                   for word, sets in RUNS.items()}
+        rate, share = rate_and_share(results["reference"])
+        curve = tracer_curve(a.out / f"{name}_reference")
+        limit = results["reference"]["extrapolation"]
+        for word, summary in results.items():
+            q, s = rate_and_share(summary)
+            there = tracer_curve(a.out / f"{name}_{word}")
+            rows.append({
+                "scene": name, "accuracy": word, "cells": summary["cells"], "steps": summary["steps"],
+                "cpu_seconds": round(summary["cpu_seconds"], 2),
+                "discharge_rate": f"{q:.5g}",
+                "discharge_error": f"{limit['error_bar'] / rate if word == 'reference' else q / rate - 1:+.2e}",
+                "quasi_static_fraction": f"{s:.4f}",
+                "quasi_static_error": f"{limit['quasi_static_error_bar'] if word == 'reference' else s - share:+.1e}",
+                "tracer_error": f"{sum(abs(x - y) for x, y in zip(there, curve)) / len(curve):.1e}" if curve else "",
+                "mass_error": f"{summary['mass_error']:.1e}",
+                "missed_tolerances": summary["missed_tolerances"], "back_offs": summary["back_offs"],
+            })
+            print(*rows[-1].values(), sep="\t", flush=True)
+    if a.only:
+        return
+    with open(a.out / "presets.csv", "w", newline="") as file:
+        table = csv.DictWriter(file, rows[0], lineterminator="\n")
+        table.writeheader()
+        table.writerows(rows)
+    print(a.out / "presets.csv")
+
+
+if __name__ == "__main__":
+    main()
