@@ -4,7 +4,7 @@
 
 namespace hourglass {
 
-/// Of a run: measure.csv, step_change.csv if it has tracers, and plots/. Prints the figures. Throws
+/// Of a run: measure.csv, step_change.csv and residence_time.csv if it has tracers, and plots/. Prints the figures. Throws
 /// std::invalid_argument if the folder holds no run, std::runtime_error if it cannot be read or written.
 void measure_run(const std::filesystem::path& run);
 

@@ -62,11 +62,10 @@ class RunMeasure {
  private:
   void add(const std::string& quantity, double value, const std::string& unit,
            std::optional<double> error = {}) {
-    const std::string readable = unit_text(unit, scene_.units);
     table_ += csv_row({quantity, fmt::format("{}", value), error ? fmt::format("{}", *error) : "",
                        fmt::format("{}", window_.from), fmt::format("{}", window_.to)});
     fmt::print("{}: {:.6g}{}{}{}\n", quantity, value, error ? fmt::format(" ± {:.2g}", *error) : "",
-               readable.empty() ? "" : " ", readable);
+               unit.empty() ? "" : " ", unit);
   }
   std::string title(const std::string& what, const std::string& unit) const {
     return fmt::format("{} [{}]", what, unit_text(unit, scene_.units));
@@ -82,9 +81,9 @@ class RunMeasure {
     }
     window_ = discharge(scene_, kept);
     const RateEstimate rate = rate_with_error(kept, window_.from, window_.to);
-    add("discharge_rate", rate.rate, "M/T", rate.standard_error);
+    add("discharge_rate", rate.rate, unit_text("M/T", scene_.units), rate.standard_error);
     if (const double scale = discharge_scale(scene_, total_width(scene_)); scale > 0)
-      add("discharge_constant", rate.rate / scale, "1",
+      add("discharge_constant", rate.rate / scale, "",
           rate.standard_error ? std::optional(*rate.standard_error / scale) : std::nullopt);
     Chart chart{.title = fmt::format("{}: discharge", scene_.name),
                 .x = {.title = title("time", "T")},
@@ -105,9 +104,9 @@ class RunMeasure {
     OutflowSeries series{columns_["t"], columns_["outflow"], columns_[name + "_outflow"],
                          columns_["mass"].front(), columns_[name + "_mass"].front()};
     const StepResponse response = step_response(series);
-    add(name + "_mean_residence_time", response.mean, "T");
-    add(name + "_residence_time_variance", response.variance, "T²");
-    add(name + "_mixing_index", response.mixing_index, "1");
+    add(name + "_mean_residence_time", response.mean, unit_text("T", scene_.units));
+    add(name + "_residence_time_variance", response.variance, scene_.units == Units::grain ? "d/g" : "s²");
+    add(name + "_mixing_index", response.mixing_index, "");
     shares_.emplace_back(name, response);
   }
 
@@ -120,13 +119,17 @@ class RunMeasure {
     residence.y = {.title = title("E = dF/dt", "1/T")};
     const std::vector<double> mass = columns_["mass"];
     std::vector<std::string> head{"t", "drained"};
+    std::string residence_text = "material,t,E\n";
     for (std::size_t k = 0; k < shares_.size(); ++k) {
       const auto& [name, response] = shares_[k];
       const int colour = static_cast<int>(k);
       share.series.push_back({.name = name, .x = response.t, .y = response.F, .colour = colour});
       drained.series.push_back({.name = name, .x = response.drained, .y = response.F, .colour = colour});
       residence.series.push_back({.name = name, .x = response.E_t, .y = response.E, .colour = colour});
-      head.insert(head.end(), {name + "_F", name + "_E"});
+      head.push_back(name + "_F");
+      for (std::size_t i = 0; i < response.E.size(); ++i)
+        residence_text +=
+            csv_row({name, fmt::format("{}", response.E_t[i]), fmt::format("{}", response.E[i])});
     }
     if (shares_.size() == 1) {  // of several, what is first in is not one step
       const double before = 1 - columns_[shares_[0].first + "_mass"].front() / mass.front();
@@ -140,13 +143,11 @@ class RunMeasure {
     std::string text = csv_row(head);
     for (std::size_t i = 0; i < first.t.size(); ++i) {
       std::vector<std::string> cells{fmt::format("{}", first.t[i]), fmt::format("{}", first.drained[i])};
-      for (const auto& [name, response] : shares_) {
-        cells.push_back(fmt::format("{}", response.F[i]));
-        cells.push_back(i == 0 ? "" : fmt::format("{}", response.E[i - 1]));  // since the row before
-      }
+      for (const auto& [name, response] : shares_) cells.push_back(fmt::format("{}", response.F[i]));
       text += csv_row(cells);
     }
     write_atomically(run_ / "step_change.csv", text);
+    write_atomically(run_ / "residence_time.csv", residence_text);
     draw("step_change.png", share);
     draw("step_change_drained.png", drained);
     draw("residence_time.png", residence);

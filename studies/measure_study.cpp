@@ -176,17 +176,17 @@ class StudyMeasure {
     fmt::print("{}\n", (folder_ / "curves.csv").string());
   }
 
+  /// The lowest point that has a recovery after it.
   void tell_dip(const Line& line, const Series& series) const {
-    std::size_t low = 0;
-    for (std::size_t i = 0; i < series.y.size(); ++i)
-      if (series.y[i] < series.y[low]) low = i;
-    const double depth = 1 - series.y[low];
-    double after = 0;
-    for (std::size_t i = low; i < series.y.size(); ++i)
-      if (std::isfinite(series.y[i])) after = std::max(after, series.y[i]);
-    if (depth > noticed && after > (1 + noticed) * series.y[low])
+    double low = 1 - noticed, at = unknown, back = 0, after = 0;  // after: the largest rate behind the point
+    for (std::size_t i = series.y.size(); i-- > 0;) {
+      const double y = series.y[i];
+      if (y < low && after > (1 + noticed) * y) low = y, at = series.x[i], back = after;
+      if (std::isfinite(y)) after = std::max(after, y);
+    }
+    if (std::isfinite(at))
       fmt::print("{}{}a dip of {:.1f} % at {}, then back to {:.1f} % of the first\n", line.name,
-                 line.name.empty() ? "" : ": ", 100 * depth, series.x[low], 100 * after);
+                 line.name.empty() ? "" : ": ", 100 * (1 - low), at, 100 * back);
   }
 
   // ---- the law of Beverloo -----------------------------------------------------------------------------------

@@ -10,6 +10,8 @@ namespace hourglass {
 namespace {
 
 constexpr int most_batches = 10;
+constexpr std::size_t most_parts = 50;  ///< of E: finer, it is the noise of single rows
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double trickle = 0.01;  ///< of the largest outflow: shares of less are noise
 
 }  // namespace
@@ -38,38 +40,39 @@ RateEstimate rate_with_error(const History& mass, double from, double to) {
 StepResponse step_response(const OutflowSeries& s) {
   StepResponse out;
   const double most = s.all.size() > 1 ? *std::max_element(s.all.begin() + 1, s.all.end()) : 0;
-  const double share = s.mass > 0 ? s.tracer_mass / s.mass : 0, before_tracer = s.mass - s.tracer_mass;
-  double left = 0, tracer_left = 0, above = 0, above_mixed = 0;
+  double left = 0, tracer_left = 0, squares = 0;  // mass, of the tracer, its share squared by mass
   for (std::size_t k = 1; k < s.t.size(); ++k) {
-    const double dt = s.t[k] - s.t[k - 1], dm = s.all[k] * dt, middle = left + 0.5 * dm;
-    const double first_out = std::max(0.0, middle - before_tracer);
-    above += (tracer_left + 0.5 * s.of_tracer[k] * dt - first_out) * dm;
-    above_mixed += (share * middle - first_out) * dm;
     if (s.all[k] > trickle * most) {
+      const double dt = s.t[k] - s.t[k - 1], dm = s.all[k] * dt, F = s.of_tracer[k] / s.all[k];
       out.t.push_back(0.5 * (s.t[k - 1] + s.t[k]));
-      out.F.push_back(s.of_tracer[k] / s.all[k]);
-      out.drained.push_back(s.mass > 0 ? middle / s.mass : 0);
+      out.F.push_back(F);
+      out.drained.push_back((left + 0.5 * dm) / s.mass);
+      left += dm;
+      tracer_left += F * dm;
+      squares += F * F * dm;
     }
-    left += dm;
-    tracer_left += s.of_tracer[k] * dt;
   }
+  const double share = tracer_left / left, unmixed = share * (1 - share);
+  out.mixing_index = unmixed > 0 ? 1 - (squares / left - share * share) / unmixed : unknown;
+  if (out.F.empty()) return out;
+
+  const auto last = static_cast<std::size_t>(std::ranges::max_element(out.F) - out.F.begin());
   // What leaves as tracer at once has no residence time.
-  const double at_once = out.F.empty() ? 0 : out.F.front(), begin = s.t.empty() ? 0 : s.t.front();
-  double rise = at_once, first = at_once * begin;
-  for (std::size_t k = 1; k < out.t.size(); ++k) {
-    const double dF = out.F[k] - out.F[k - 1];
-    out.E_t.push_back(0.5 * (out.t[k - 1] + out.t[k]));
-    out.E.push_back(dF / (out.t[k] - out.t[k - 1]));
+  double rise = out.F[0], first = out.F[0] * s.t[0], second = out.F[0] * s.t[0] * s.t[0];
+  for (std::size_t k = 1; k <= last; ++k) {
+    const double dF = out.F[k] - out.F[k - 1], t = 0.5 * (out.t[k - 1] + out.t[k]);
     rise += dF;
-    first += dF * out.E_t.back();
+    first += dF * t;
+    second += dF * t * t;
   }
-  const double nothing = std::numeric_limits<double>::quiet_NaN();
-  out.mean = rise > 0 ? first / rise : nothing;
-  out.variance = at_once * std::pow(begin - out.mean, 2);
-  for (std::size_t k = 0; k < out.E.size(); ++k)
-    out.variance += std::pow(out.E_t[k] - out.mean, 2) * (out.F[k + 1] - out.F[k]);
-  out.variance = rise > 0 ? out.variance / rise : nothing;
-  out.mixing_index = above_mixed > 0 ? above / above_mixed : nothing;
+  out.mean = rise > 0 ? first / rise : unknown;
+  out.variance = rise > 0 ? std::max(0.0, second / rise - out.mean * out.mean) : unknown;
+  const std::size_t parts = std::min(last, most_parts);
+  for (std::size_t p = 1; p <= parts; ++p) {
+    const std::size_t a = (p - 1) * last / parts, b = p * last / parts;
+    out.E_t.push_back(0.5 * (out.t[a] + out.t[b]));
+    out.E.push_back((out.F[b] - out.F[a]) / (out.t[b] - out.t[a]));
+  }
   return out;
 }
 

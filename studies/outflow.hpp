@@ -28,18 +28,19 @@ struct OutflowSeries {
 
 /// The response of the outflow to a step change of what is above it (Danckwerts 1953, Chem. Eng. Sci. 2).
 struct StepResponse {
-  std::vector<double> t;          ///< middle of each interval [T]
-  std::vector<double> F;          ///< share of the tracer in the outflow of the interval
-  std::vector<double> drained;    ///< share of the silo's first mass that has left by then
-  std::vector<double> E_t, E;     ///< residence-time distribution dF/dt, between those middles [T], [1/T]
-  double mean = 0, variance = 0;  ///< of the residence time, weighted by E [T], [T^2]; NaN if F never rises
-  /// 0: first in, first out; 1: every outflow has the share of the whole silo. Cumulative tracer above what first in,
-  /// first out would have let go, over the same for perfect mixing, integrated over the mass drained; NaN where that is
-  /// nothing yet.
+  std::vector<double> t;        ///< middle of each interval [T]
+  std::vector<double> F;        ///< share of the tracer in the outflow of the interval
+  std::vector<double> drained;  ///< share of the silo's first mass that has left by then
+  /// Residence-time distribution dF/dt until F is greatest, over at most 50 equal parts of that time, and the middle of each
+  /// [1/T], [T]. What drains from the corners of a silo after that has not come later, but lay there.
+  std::vector<double> E, E_t;
+  double mean = 0, variance = 0;  ///< of that residence time [T], [T^2]; NaN if F never rises
+  /// 1 less the intensity of segregation of the outflow (Danckwerts 1952, Appl. Sci. Res. A 3): 0 if it is one material or
+  /// the other at any time, 1 if the share never changes; NaN where but one has left.
   double mixing_index = 0;
 };
 
-/// Intervals that pass less than 1 % of the largest outflow are left out of F and E.
+/// Intervals that pass less than 1 % of the largest outflow are left out of F.
 StepResponse step_response(const OutflowSeries& series);
 
 }  // namespace hourglass
