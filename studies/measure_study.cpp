@@ -136,19 +136,20 @@ class StudyMeasure {
   // ---- the rate along the first axis -------------------------------------------------------------------------
 
   void curves() {
-    const std::size_t axis = groups_[0][0];
+    const auto group = std::ranges::find_if(groups_, [&](const std::vector<std::size_t>& g) {
+      return std::ranges::all_of(rows_,
+                                 [&](const Row& row) { return std::isfinite(number_in(row.values[g[0]])); });
+    });
+    if (group == groups_.end()) return;  // words only
+    const std::size_t axis = group->front();
     const auto x_of = [&](const Row* row) { return number_in(row->values[axis]); };
-    if (!std::ranges::all_of(rows_, [&](const Row& row) { return std::isfinite(x_of(&row)); })) {
-      fmt::print("{} has words: no plot along it\n", axes_[axis]);
-      return;
-    }
     const std::string unit = unit_text("M/T", rows_[0].scene.units);
     Chart raw{.title = folder_.filename().string(),
               .x = {.title = axes_[axis]},
               .y = {.title = fmt::format("discharge rate [{}]", unit)}};
     Chart normalised = raw;
     std::string text = csv_row({"runs", axes_[axis], "discharge_rate", "normalised"});
-    std::vector<Line> lines = lines_along(groups_[0]);
+    std::vector<Line> lines = lines_along(*group);
     for (std::size_t k = 0; k < lines.size(); ++k) {
       Line& line = lines[k];
       std::ranges::sort(line.rows, {}, x_of);
@@ -217,7 +218,7 @@ class StudyMeasure {
     const auto [scale, m] = scale_of(rows_[0].scene);
     Chart chart{.title = fmt::format("{}: Beverloo's law", folder_.filename().string()),
                 .x = {.title = "width of the orifices [d]"},
-                .y = {.title = fmt::format("discharge rate [ρ √g d^{}]", m)}};
+                .y = {.title = m == 1.5 ? "discharge rate [ρ √(g d³)]" : "discharge rate [ρ √(g d⁵)]"}};
     const std::vector<Model> models{
         {"k free", {{}, m}}, {"k = 0", {0.0, m}}, {"k and n free", {{}, {}}}, {"n free, k = 0", {0.0, {}}}};
     for (std::size_t l = 0; l < lines.size(); ++l) {
@@ -284,7 +285,7 @@ class StudyMeasure {
       line.x.push_back(total({widths, 0}));
       line.y.push_back(rate);
       if (k_free && std::isfinite(half)) {
-        line.lower.push_back(rate - half);
+        line.lower.push_back(std::max(0.0, rate - half));
         line.upper.push_back(rate + half);
       }
     }

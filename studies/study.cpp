@@ -360,7 +360,8 @@ class Messages {
 
 std::string StudyRun::text(const Study& study) const {
   std::vector<std::string> parts;
-  for (std::size_t a = 0; a < values.size(); ++a) parts.push_back(study.axes[a].name + '=' + values[a]);
+  for (std::size_t a = 0; a < values.size(); ++a)
+    parts.push_back(study.axes[a].name + '=' + shown(values[a]));
   return fmt::format("{}", fmt::join(parts, " "));
 }
 
