@@ -103,15 +103,16 @@ std::string to_json(const Extrapolation& e) {
   std::vector<std::string> cells, rates;
   for (const long n : e.cells) cells.push_back(json_number(n));
   for (const double rate : e.discharge_rates) rates.push_back(json_number(rate));
-  return json_object({{"cells", json_array(cells)},
+  JsonMembers members{{"cells", json_array(cells)},
                       {"discharge_rates", json_array(rates)},
                       {"order", json_number(e.order)},
                       {"discharge_rate", json_number(e.discharge_rate)},
                       {"error_bar", json_number(e.error_bar)},
                       {"quasi_static_fraction", json_number(e.quasi_static_fraction)},
                       {"quasi_static_error_bar", json_number(e.quasi_static_error_bar)},
-                      {"seconds", json_number(e.seconds)}},
-                     2);
+                      {"seconds", json_number(e.seconds)}};
+  if (e.step_change) members.emplace_back("step_change", json_number(*e.step_change));
+  return json_object(members, 2);
 }
 
 std::string to_json(const Summary& s, Model model) {

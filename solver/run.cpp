@@ -35,7 +35,8 @@ class Cadence {
   explicit Cadence(double interval) : interval_(interval) {}
   bool due(double t) {
     if (interval_ <= 0 || t < next_ * (1 - 1e-12)) return false;
-    while (next_ <= t * (1 + 1e-12)) next_ = interval_ * ++count_;
+    count_ = std::floor(t / interval_ * (1 + 1e-12)) + 1;  // in one go: intervals may be short
+    next_ = interval_ * count_;
     last_ = t;
     return true;
   }
@@ -46,7 +47,7 @@ class Cadence {
 
  private:
   double interval_, next_ = 0, last_ = -1;
-  long count_ = 0;
+  double count_ = 0;
 };
 
 /// How a run that meets trouble goes on from the last state kept: each rung of the ladder quarters the longest step, and

@@ -59,7 +59,9 @@ struct Extrapolation {
   double order = 0;  ///< at which the discharge was extrapolated; 0: its grids agree on none
   double discharge_rate = 0, error_bar = 0;                      ///< at vanishing cells, and of it [M/T]
   double quasi_static_fraction = 0, quasi_static_error_bar = 0;  ///< the same [1]
-  double seconds = 0;                                            ///< that the coarser grids took
+  /// By how much half the steps' length changes the discharge on the coarsest grid [1]; none with one coarser grid.
+  std::optional<double> step_change;
+  double seconds = 0;  ///< that the coarser grids took
 };
 
 /// What summary.json holds of the physics; provenance is io's business.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "io/progress.hpp"
 #include "solver/diagnostics.hpp"
@@ -32,6 +33,9 @@ class CoarseProgress : public Observer {
   std::string grid_;
 };
 
+/// A change of the discharge by half the steps' length that deserves a word.
+constexpr double step_doubt = 0.02;
+
 Scene without_output(Scene scene) {
   scene.output.fields_every = scene.output.snapshots_every = 0;
   return scene;
@@ -42,14 +46,23 @@ Scene without_output(Scene scene) {
 CoarseRuns run_coarser(const Scene& scene, bool quiet, Observer& interrupt) {
   CoarseRuns runs;
   const auto start = Clock::now();
-  for (int halvings = scene.accuracy.extrapolate; halvings > 0 && runs.stopped.empty(); --halvings) {
-    const Scene coarse = without_output(coarser(scene, halvings));
+  const auto run = [&](const Scene& coarse) {
     CoarseProgress progress(coarse, quiet, interrupt);
-    runs.cases.push_back(run_case(coarse, {.observers = {&progress}}));
-    const CaseResult& last = runs.cases.back();
-    if (!last.failed()) continue;
-    runs.stopped = fmt::format("{} cells across: {}", coarse.cells_x, last.summary.reason);
-    runs.interrupted = !interrupt.interrupt().empty();
+    CaseResult result = run_case(coarse, {.observers = {&progress}});
+    if (result.failed()) {
+      runs.stopped = fmt::format("{} cells across: {}", coarse.cells_x, result.summary.reason);
+      runs.interrupted = !interrupt.interrupt().empty();
+    }
+    return result;
+  };
+  const int most = scene.accuracy.extrapolate;
+  for (int halvings = most; halvings > 0 && runs.stopped.empty(); --halvings)
+    runs.cases.push_back(run(without_output(coarser(scene, halvings))));
+  if (most == 2 && runs.stopped.empty()) {
+    Scene careful = without_output(coarser(scene, most));
+    careful.time.dt_max /= 2;
+    careful.time.cfl /= 2;
+    runs.half_steps = run(careful);
   }
   runs.seconds = seconds_since(start);
   return runs;
@@ -92,6 +105,16 @@ void extrapolate(const CoarseRuns& coarse, Summary& summary) {
   e.quasi_static_fraction = std::clamp(share.value, 0.0, 1.0);
   e.quasi_static_error_bar = std::min(share.error_bar, 1.0);
   e.seconds = coarse.seconds;
+  if (coarse.half_steps && e.discharge_rates.front() != 0) {
+    const double halved = loss_rate(coarse.half_steps->summary.mass_over_time, from, to);
+    e.step_change = halved / e.discharge_rates.front() - 1;
+    if (std::abs(*e.step_change) > step_doubt)
+      summary.warnings.push_back(
+          fmt::format("the discharge depends on the time step: {:+.2g} of it with steps half as long on the "
+                      "coarsest grid; "
+                      "take a smaller time.dt_max, and see whether the pressure is sane",
+                      *e.step_change));
+  }
   summary.extrapolation = e;
   const auto doubt = [&](const char* what, const Richardson& r) {
     if (!r.doubt.empty())

@@ -1,6 +1,7 @@
 #pragma once
 // accuracy.extrapolate: the same scene on one or two coarser grids, and what its figures of merit tend to as the cells
 // vanish (studies/richardson.hpp).
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,9 @@ namespace hourglass {
 
 struct CoarseRuns {
   std::vector<CaseResult> cases;  ///< the coarsest first
-  double seconds = 0;             ///< of wall clock, altogether
+  std::optional<CaseResult>
+      half_steps;      ///< the coarsest once more, with steps half as long; with two coarser grids
+  double seconds = 0;  ///< of wall clock, altogether
   std::string
       stopped;  ///< why there is no more of them: a run was interrupted or failed; empty: all ended well
   bool interrupted = false;  ///< by `interrupt`: then the run of the scene itself is not wanted either

@@ -53,6 +53,7 @@ TradeOutcome run_of_trade(const TradeRun& run, const Scene& whole, const std::ve
     wall.push_back(seconds_since(begin));
     cpu.push_back(result.cpu_seconds);
     for (const CaseResult& c : coarse.cases) cpu.back() += c.cpu_seconds;
+    if (coarse.half_steps) cpu.back() += coarse.half_steps->cpu_seconds;
     relative.push_back(cpu.back() / (0.5 * (before + pace_of(whole))));
     outcome.status = result.summary.status;
     outcome.reason = result.summary.reason;

@@ -52,6 +52,19 @@ TEST_CASE("extrapolation: figures of three grids over their common window") {
   CHECK(fine.warnings.empty());
 }
 
+TEST_CASE("extrapolation: a discharge that depends on the step is said aloud") {
+  CoarseRuns coarse = coarse_runs({steady(0.84, 0.16, 60, 256), steady(0.96, 0.19, 60, 1024)});
+  for (const double halved : {0.85, 0.80}) {
+    coarse.half_steps.emplace().summary = steady(halved, 0.16, 60, 256);
+    Summary fine = steady(0.99, 0.2, 60, 4096);
+    extrapolate(coarse, fine);
+    REQUIRE(fine.extrapolation);
+    CHECK(fine.extrapolation->step_change.value() == Approx(halved / 0.84 - 1));
+    CHECK(fine.warnings.size() == (halved < 0.82 ? 1 : 0));
+    if (halved < 0.82) CHECK_THAT(fine.warnings[0], Catch::Contains("depends on the time step"));
+  }
+}
+
 TEST_CASE("extrapolation: none where a grid failed, where windows are apart, and doubts are said") {
   CoarseRuns failed = coarse_runs({steady(0.84, 0.16, 60, 256)});
   failed.stopped = "16 cells across: something";
@@ -96,6 +109,9 @@ TEST_CASE("extrapolation: the coarser grids of a scene are run, and an interrupt
     CHECK(c.summary.discharge_rate > 0);
   }
   CHECK(runs.seconds > 0);
+  REQUIRE(runs.half_steps);
+  CHECK(runs.half_steps->summary.cells == 16 * 16);
+  CHECK(runs.half_steps->summary.steps > 1.5 * runs.cases[0].summary.steps);
 
   struct Stop : Observer {
     std::string interrupt() override { return "enough"; }
