@@ -24,6 +24,8 @@
 #include "solver/simulation.hpp"
 #include "studies/extrapolation.hpp"
 #include "studies/limits.hpp"
+#include "studies/measure.hpp"
+#include "studies/sweep.hpp"
 #include "studies/trade.hpp"
 
 using namespace hourglass;
@@ -47,13 +49,13 @@ class SignalWatch : public Observer {
 };
 
 struct Arguments {
-  std::string scene, out, run;
+  std::string scene, study, out, run, executor = "local";
   std::vector<std::string> sets, overlays;
   RenderOptions render;
   std::optional<double> budget;
   std::optional<double> fit_time;
   std::string csv;
-  int threads = -1;
+  int threads = -1, jobs = 0;
   bool resume = false, force = false, quiet = false, dry_run = false, quick = false;
 };
 
@@ -198,6 +200,23 @@ int trade(const Arguments& a) {
   return ended ? finished : by_signal + caught_signal;
 }
 
+int sweep(const Arguments& a) {
+  SignalWatch watch;
+  const SweepResult result = hourglass::sweep({.study = a.study,
+                                               .out = a.out,
+                                               .jobs = a.jobs,
+                                               .force = a.force,
+                                               .dry_run = a.dry_run,
+                                               .observers = {&watch}});
+  if (result.interrupted) return by_signal + caught_signal;
+  return result.failed > 0 && result.failed == result.runs ? failed : finished;
+}
+
+int measure(const Arguments& a) {
+  hourglass::measure(a.run);
+  return finished;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -253,6 +272,30 @@ int main(int argc, char** argv) {
       ->check(CLI::PositiveNumber);
   trade_command->add_flag("--force", a.force, "begin anew in the same folder");
   trade_command->add_flag("--dry-run", a.dry_run, "print the runs and about how long they take");
+
+  CLI::App* sweep_command =
+      app.add_subcommand("sweep", "run a scene over axes of parameters: one table, one folder");
+  sweep_command->add_option("study", a.study, "study file (YAML)")->required()->type_name("STUDY.yaml");
+  sweep_command
+      ->add_option("--jobs", a.jobs, "runs at a time (default: by the cores and the cells of the runs)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
+  sweep_command->add_option("--executor", a.executor, "where the runs are executed")
+      ->check(CLI::IsMember(std::vector<std::string>{"local"}));
+  sweep_command
+      ->add_option("--out", a.out, "folder (default: sweeps/<name of the study>); a sweep in it goes on")
+      ->type_name("DIR");
+  sweep_command->add_flag("--resume", a.resume, "go on with a sweep, as happens without it too");
+  sweep_command->add_flag("--force", a.force, "begin anew in the same folder");
+  sweep_command->add_flag("--dry-run", a.dry_run, "print the runs and about how long they take");
+
+  CLI::App* measure_command =
+      app.add_subcommand("measure", "figures of merit, fits and plots of a stored run or sweep");
+  measure_command->add_option("folder", a.run, "folder of a run or of a sweep")
+      ->required()
+      ->type_name("RUN|STUDY")
+      ->check(CLI::ExistingDirectory);
+
   CLI::App* fit_command =
       app.add_subcommand("fit", "B and Q of the kinematic model that comes nearest to a stored run");
   fit_command->add_option("run", a.run, "run folder")
@@ -305,6 +348,8 @@ int main(int argc, char** argv) {
     if (*plan_command) return plan(a);
     if (*limits_command) return limits(a);
     if (*trade_command) return trade(a);
+    if (*sweep_command) return sweep(a);
+    if (*measure_command) return measure(a);
     if (*fit_command) return fit(a);
     return render(a);
   } catch (const std::invalid_argument& error) {  // what was asked for cannot be: nothing was written

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -11,17 +9,9 @@ namespace hourglass {
 namespace fs = std::filesystem;
 namespace {
 
-std::string content_of(const fs::path& path) {
-  std::error_code error;
-  if (!fs::exists(path, error)) return {};
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw std::runtime_error(path.string() + ": cannot be read");
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 /// The file less what stands behind its last line break; then open for more.
 AppendFile opened(const fs::path& path) {
-  const std::string text = content_of(path);
+  const std::string text = text_at(path);
   const std::size_t whole = text.rfind('\n') + 1;  // 0 without any
   if (whole < text.size()) fs::resize_file(path, whole);
   return AppendFile(path, AppendFile::Start::at_end);
@@ -77,7 +67,7 @@ Ledger::Ledger(const fs::path& path, const std::vector<std::string>& columns)
     : columns_(columns), file_(opened(path)) {
   std::vector<std::vector<std::string>> rows;
   try {
-    rows = csv_rows(content_of(path));
+    rows = csv_rows(text_at(path));
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(fmt::format("{}: {}", path.string(), error.what()));
   }

@@ -2,10 +2,13 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -53,6 +56,25 @@ int write_all(int fd, std::string_view bytes) {
 std::filesystem::path beside_of(const std::filesystem::path& path) { return path.string() + ".new"; }
 
 }  // namespace
+
+std::string text_at(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) return {};
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw std::runtime_error(path.string() + ": cannot be read");
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+FolderLock::FolderLock(const std::filesystem::path& folder, const std::string& what) {
+  std::filesystem::create_directories(folder);
+  descriptor_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor_ >= 0 && ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
+  if (descriptor_ >= 0) ::close(descriptor_);
+  throw std::invalid_argument(
+      fmt::format("{}: another {} is at work in it. Wait for its end, or choose another folder with --out.",
+                  folder.string(), what));
+}
+FolderLock::~FolderLock() { ::close(descriptor_); }
 
 void write_atomically(const std::filesystem::path& path, std::string_view bytes) {
   const std::filesystem::path beside = beside_of(path);

@@ -6,6 +6,22 @@
 
 namespace hourglass {
 
+/// What a file holds; nothing if there is none.
+std::string text_at(const std::filesystem::path& path);
+
+/// One process at a time works in a folder, which is made if need be. Ends with the process, however that ends.
+class FolderLock {
+ public:
+  /// Throws std::invalid_argument if another process has it; `what` it does there ("trade") is for the message.
+  FolderLock(const std::filesystem::path& folder, const std::string& what);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int descriptor_;
+};
+
 /// Replaces the file in one go: written beside it, as <path>.new, then renamed over it.
 void write_atomically(const std::filesystem::path& path, std::string_view bytes);
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 
 #include "io/scene_keys.hpp"
@@ -20,8 +19,6 @@ namespace hourglass {
 namespace {
 
 using Kind = YamlNode::Kind;
-
-constexpr std::size_t largest_file = 1 << 20;  // bytes; a scene is a page, so more is a mistake or an attack
 
 /// Defaults are multiples of the grain's scales; those that the file does not give are brought to them.
 void apply_scales(Scene& s, const YamlNode& root, std::vector<SceneReader::Finding>& findings) {
@@ -102,20 +99,6 @@ void choose_cells(const YamlNode& root, Loaded& loaded, std::vector<SceneReader:
   loaded.notes.push_back(fmt::format("grid.cells_x: {} chosen by accuracy, {}", s.cells_x, why));
 }
 
-std::string read_text(const std::filesystem::path& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) throw YamlError(0, "is a folder, not a scene file.");
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
-    throw YamlError(0, std::filesystem::exists(path, ignored) ? "cannot be opened. Check its permissions."
-                                                              : "no such file. Check the path.");
-  std::string text(largest_file + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  if (text.size() > largest_file) throw YamlError(0, "is larger than 1 MiB (a scene is a page or two).");
-  return text;
-}
-
 void mark_origin(YamlNode& node, int override_index) {
   node.line = 0;
   node.override_index = override_index;
@@ -165,7 +148,7 @@ Loaded load_scene(const std::filesystem::path& path, const std::vector<std::stri
 
   YamlNode root;
   try {
-    root = parse_yaml(read_text(path));
+    root = parse_yaml(read_yaml_text(path, "scene"));
     if (root.kind != Kind::map)
       throw YamlError(root.line,
                       fmt::format("found {} (expected a scene: a map of keys such as domain, grid, "

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <fstream>
 #include <numeric>
 #include <optional>
 #include <sstream>
@@ -99,6 +100,8 @@ int item_number(const std::string& key) {
   return error == std::errc() && end == key.data() + key.size() && n >= 0 ? n : -1;
 }
 
+constexpr std::size_t largest_file = 1 << 20;  // bytes; a scene is a page, so more is a mistake or an attack
+
 /// yaml-cpp takes some tabs and answers others with errors far from the place.
 void refuse_tabs_and_binary(const std::string& text) {
   int line = 1;
@@ -144,6 +147,22 @@ const YamlNode* YamlNode::find(const std::string& key) const {
     if (name == key) return &value;
   const int n = kind == Kind::list ? item_number(key) : -1;
   return n >= 0 && n < static_cast<int>(items.size()) ? &items[n] : nullptr;
+}
+
+std::string read_yaml_text(const std::filesystem::path& path, const std::string& kind) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored))
+    throw YamlError(0, fmt::format("is a folder, not a {} file.", kind));
+  std::ifstream file(path, std::ios::binary);
+  if (!file)
+    throw YamlError(0, std::filesystem::exists(path, ignored) ? "cannot be opened. Check its permissions."
+                                                              : "no such file. Check the path.");
+  std::string text(largest_file + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  if (text.size() > largest_file)
+    throw YamlError(0, fmt::format("is larger than 1 MiB (a {} is a page or two).", kind));
+  return text;
 }
 
 YamlNode parse_yaml(const std::string& text) {

@@ -1,6 +1,7 @@
 #pragma once
 // A YAML text as a plain tree that remembers lines and keeps duplicate keys, which yaml-cpp's own nodes do
 // not. Scenes and studies need no aliases and no tags, so both are refused.
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -27,6 +28,9 @@ struct YamlError : std::runtime_error {
   YamlError(int at, const std::string& what) : std::runtime_error(what), line(at) {}
   int line;  ///< in the text, from 1; 0 if unknown
 };
+
+/// The text of a scene or study; `kind` names it in messages. Throws YamlError if there is none, or too much of it.
+std::string read_yaml_text(const std::filesystem::path& path, const std::string& kind);
 
 /// Throws YamlError on anything that is not one plain YAML document.
 YamlNode parse_yaml(const std::string& text);

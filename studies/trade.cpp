@@ -11,6 +11,7 @@
 #include "io/scene_yaml.hpp"
 #include "solver/diagnostics.hpp"
 #include "studies/pareto.hpp"
+#include "studies/run_time.hpp"
 #include "studies/trade_store.hpp"
 
 namespace hourglass {
@@ -19,8 +20,7 @@ namespace {
 
 constexpr double reference_share = 0.45;  ///< of the budget, at most
 constexpr double slack = 1.2;             ///< an estimate is to be on the safe side
-// Before a run has been timed: seconds a cell and step (one thread, docs/plan.md), and what tight tolerances cost more.
-constexpr double first_rate = 150e-9, tight_price = 3.5;
+constexpr double tight_price = 3.5;       ///< what tight tolerances cost more, before a run has been timed
 constexpr int ensemble_size = 5, most_combined = 6;
 constexpr double hopeless = 0.2;  ///< error of the discharge on a grid where nothing is worth combining
 constexpr double ill_posed_share = 0.01;  ///< of cells: beyond, differences may be noise
@@ -135,7 +135,7 @@ class Trade {
         if ((row.at("group") == "reference") == is_tight && work > 0)
           rates.push_back(std::stod(row.at("wall_seconds")) / work);
       }
-    if (rates.empty()) return is_tight ? tight_price * rate(false) : first_rate;
+    if (rates.empty()) return is_tight ? tight_price * rate(false) : cell_step_seconds;
     std::nth_element(rates.begin(), rates.begin() + std::ssize(rates) / 2, rates.end());
     return rates[rates.size() / 2];
   }
@@ -144,17 +144,13 @@ class Trade {
   /// has shown where the Courant number ruled it, else 1.4 sqrt(g W).
   double seconds_of(const TradeRun& run) const {
     const Scene& s = run.scene;
-    double widest = 0;
-    for (const Orifice& orifice : s.orifices) widest = std::max(widest, orifice.width);
-    double speed = 1.4 * std::sqrt(s.g() * widest);
+    double speed = expected_speed(s);
     if (!result_.rows.empty() && result_.rows.front().outcome.steps > 0) {
       const double dt = balanced_.time.end / static_cast<double>(result_.rows.front().outcome.steps);
       if (dt < 0.97 * balanced_.time.dt_max) speed = balanced_.time.cfl * balanced_.patch().h / dt;
     }
-    const double h = s.patch().h,
-                 dt = speed > 0 ? std::min(s.time.dt_max, s.time.cfl * h / speed) : s.time.dt_max;
-    const double cells = static_cast<double>(s.patch().cells());
-    return slack * rate(run.group == "reference") * cells * s.time.end / dt;
+    return slack * rate(run.group == "reference") * static_cast<double>(s.patch().cells()) *
+           expected_steps(s, speed);
   }
   double seconds_with_repeats(const TradeRun& run) const {
     const double once = seconds_of(run);

@@ -1,14 +1,9 @@
 #include "studies/trade_store.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 #include <cctype>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 
 #include "io/files.hpp"
@@ -34,48 +29,25 @@ std::string file_name(const std::string& run) {
   return out + ".csv";
 }
 
-std::string content_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-/// Throws if another process has it.
-int locked(const fs::path& folder) {
-  fs::create_directories(folder / "runs");
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor >= 0 && ::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
-  if (descriptor >= 0) ::close(descriptor);
-  throw std::invalid_argument(folder.string() +
-                              ": another trade is at work in it. Wait for its end, or choose another "
-                              "folder with --out.");
-}
-
 }  // namespace
 
 TradeStore::TradeStore(const fs::path& folder, const Scene& balanced, bool force)
-    : folder_(folder), lock_(locked(folder)) {
+    : folder_(folder), lock_(folder, "trade") {
   const fs::path scene = folder / "scene.yaml", runs = folder / "runs.csv";
-  try {
-    if (force) {
-      fs::remove(runs);
-      fs::remove_all(folder / "runs");
-      fs::create_directories(folder / "runs");
-    } else if (fs::exists(runs) && content_of(scene) != to_yaml(balanced)) {
-      throw std::invalid_argument(
-          fmt::format("{}: holds the trade of another scene, or of a version with other keys (scene.yaml). "
-                      "Choose another folder "
-                      "with --out, or replace it with --force.",
-                      folder.string()));
-    }
-    write_atomically(scene, to_yaml(balanced));
-    ledger_.emplace(runs, columns);
-  } catch (...) {
-    ::close(lock_);
-    throw;
+  if (force) {
+    fs::remove(runs);
+    fs::remove_all(folder / "runs");
+  } else if (fs::exists(runs) && text_at(scene) != to_yaml(balanced)) {
+    throw std::invalid_argument(
+        fmt::format("{}: holds the trade of another scene, or of a version with other keys (scene.yaml). "
+                    "Choose another folder "
+                    "with --out, or replace it with --force.",
+                    folder.string()));
   }
+  fs::create_directories(folder / "runs");
+  write_atomically(scene, to_yaml(balanced));
+  ledger_.emplace(runs, columns);
 }
-
-TradeStore::~TradeStore() { ::close(lock_); }
 
 fs::path TradeStore::record_of(const std::string& run) const { return folder_ / "runs" / file_name(run); }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "io/csv.hpp"
+#include "io/files.hpp"
 #include "studies/trade.hpp"
 
 namespace hourglass {
@@ -16,9 +17,6 @@ class TradeStore {
   /// `force`: without the runs that are there. Throws std::invalid_argument if the folder holds the trade of another scene,
   /// or another process works in it; std::runtime_error where it cannot be written.
   TradeStore(const std::filesystem::path& folder, const Scene& balanced, bool force);
-  ~TradeStore();
-  TradeStore(const TradeStore&) = delete;
-  TradeStore& operator=(const TradeStore&) = delete;
 
   std::optional<TradeOutcome> find(const std::string& run) const;
   void add(const TradeRun& run, const TradeOutcome& outcome);
@@ -29,7 +27,7 @@ class TradeStore {
   std::filesystem::path record_of(const std::string& run) const;
 
   std::filesystem::path folder_;
-  int lock_;  ///< descriptor of the folder
+  FolderLock lock_;
   std::optional<Ledger> ledger_;
 };
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Runs hourglass as a user would, on bad input above all: exit status, messages, and that nothing is written."""
+import csv
 import json
 import os
 import shutil
@@ -52,7 +53,8 @@ class CommandLine(unittest.TestCase):
         return result
 
     def test_help_and_version(self):
-        for command in ([], ["run"], ["check"], ["plan"], ["limits"], ["render"], ["trade"], ["fit"]):
+        for command in ([], ["run"], ["check"], ["plan"], ["limits"], ["render"], ["trade"], ["fit"], ["sweep"],
+                        ["measure"]):
             result = self.hourglass(*command, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("--help", result.stdout)
@@ -293,6 +295,128 @@ class CommandLine(unittest.TestCase):
         self.assertEqual(again.returncode, 0, again.stderr)
         self.refuse("run", "scene.yaml", "--set", "start.run=nowhere", says=["start: nowhere/fields.h5"])
         self.refuse("run", "scene.yaml", "--set", "domain.height=20", says=["the domain must be the same"])
+
+    def study(self, *lines):
+        with open(self.path("study.yaml"), "w") as file:
+            file.write("\n".join(["name: widths", "scene: scene.yaml", *lines]) + "\n")
+
+    def table(self, folder="sweeps/widths"):
+        with open(self.path(f"{folder}/results.csv")) as file:
+            return list(csv.DictReader(file))
+
+    def without_times(self, rows):
+        return [{key: value for key, value in row.items() if key != "wall_seconds"} for row in rows]
+
+    def test_sweep_and_measure(self):
+        self.scene()
+        self.study("axes:", "  orifices.0.width: [10, 15, 20, 30]", "  mu: [0.32, 0.4]",
+                   "set: {materials.sand.mu_s: mu}")
+        result = self.hourglass("sweep", "study.yaml", "--dry-run")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("0008 orifices.0.width=30 mu=0.4: 16 x 16 cells", result.stdout)
+        self.assertIn("8 runs, about", result.stdout)
+        self.assertEqual(sorted(os.listdir(self.folder.name)), ["scene.yaml", "study.yaml"])
+
+        result = self.hourglass("sweep", "study.yaml", "--jobs", "2", "--executor", "local")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("[8/8] ", result.stdout)
+        rows = self.table()
+        self.assertEqual([row["run"] for row in rows], [f"{k:04}" for k in range(1, 9)])
+        self.assertEqual(list(rows[0])[:4], ["run", "orifices.0.width", "mu", "status"])
+        for row in rows:
+            with open(self.path(f"sweeps/widths/runs/{row['run']}/summary.json")) as file:
+                summary = json.load(file)
+            for name in ("discharge_rate", "discharge_constant", "quasi_static_fraction", "mass_error", "steps", "cells",
+                         "back_offs", "missed_tolerances", "wall_seconds"):
+                self.assertEqual(float(row[name]), summary[name])
+            self.assertEqual((row["status"], summary["threads"]), ("finished", 1))
+        single = self.hourglass("run", "scene.yaml", "--threads", "1", "--set", "orifices.0.width=15", "--set",
+                                "materials.sand.mu_s=0.4", "--out", "single")
+        self.assertEqual(single.returncode, 0, single.stderr)
+        with open(self.path("single/summary.json")) as file:
+            self.assertEqual(float(rows[3]["discharge_rate"]), json.load(file)["discharge_rate"])
+
+        again = self.hourglass("sweep", "study.yaml", "--resume")
+        self.assertEqual((again.returncode, self.table()), (0, rows), again.stderr)
+
+        result = self.hourglass("measure", "sweeps/widths")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("mu = 0.32, k free: C = ", result.stdout)
+        with open(self.path("sweeps/widths/fit.csv")) as file:
+            fits = list(csv.DictReader(file))
+        self.assertEqual([(fit["runs"], fit["fit"]) for fit in fits],
+                         [(f"mu = {mu}", name) for mu in (0.32, 0.4)
+                          for name in ("k free", "k = 0", "k and n free", "n free, k = 0")])
+        with open(self.path("sweeps/widths/curves.csv")) as file:
+            self.assertEqual(len(list(csv.DictReader(file))), 8)
+        for name in ("discharge_rate", "normalised", "beverloo"):
+            self.assertGreater(os.path.getsize(self.path(f"sweeps/widths/plots/{name}.png")), 1000)
+
+    def test_measure_of_a_run(self):
+        self.scene(materials="materials: {sand: {mu_s: 0.32, delta_mu: 0.28, I_0: 0.4}, tracer: {mu_s: 0.32, "
+                             "delta_mu: 0.28, I_0: 0.4}}",
+                   fill="fill: [{material: sand, box: {x: [0, 40], y: [0, 30]}}, "
+                        "{material: tracer, box: {x: [0, 40], y: [10, 30]}}]",
+                   time="time: {end: 12}")
+        result = self.hourglass("run", "scene.yaml", "--quiet", "--out", "run")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        result = self.hourglass("measure", "run")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(self.path("run/measure.csv")) as file:
+            measured = {row["quantity"]: row for row in csv.DictReader(file)}
+        self.assertEqual(list(measured), ["discharge_rate", "discharge_constant", "tracer_mean_residence_time",
+                                          "tracer_residence_time_variance", "tracer_mixing_index"])
+        with open(self.path("run/summary.json")) as file:
+            summary = json.load(file)
+        rate = measured["discharge_rate"]
+        self.assertAlmostEqual(float(rate["value"]) / summary["discharge_rate"], 1, 2)
+        self.assertGreater(float(rate["standard_error"]), 0)
+        self.assertEqual(float(rate["from"]), summary["discharge_window"][0])
+        self.assertLess(0, float(measured["tracer_mean_residence_time"]["value"]))
+        with open(self.path("run/step_change.csv")) as file:
+            shares = [float(row["tracer_F"]) for row in csv.DictReader(file)]
+        self.assertLess(shares[0], 0.01)
+        self.assertGreater(max(shares), 0.5)
+        self.assertEqual(sorted(os.listdir(self.path("run/plots"))),
+                         ["discharge.png", "residence_time.png", "step_change.png", "step_change_drained.png"])
+        again = self.hourglass("run", "scene.yaml", "--quiet", "--out", "run", "--force", "--set", "time.end=1")
+        self.assertEqual(again.returncode, 0, again.stderr)
+        os.mkdir(self.path("empty"))
+        self.refuse("measure", "empty", says=["empty: holds neither a run (series.csv) nor a sweep (results.csv)"])
+        self.refuse("measure", "nowhere")
+
+    def test_wrong_studies(self):
+        self.scene()
+        self.refuse("sweep", "missing.yaml", says=["missing.yaml: no such file"])
+        self.study("axes: {gap: [1, 2]}", "set: {time.edn: gap}")
+        self.refuse("sweep", "study.yaml", says=["study.yaml:4 time.edn: unknown key. Did you mean 'end'? (all runs)"])
+        self.study("axes: {time.end: [1, 2]}", "sets: {}")
+        self.refuse("sweep", "study.yaml", says=["study.yaml:4 sets: unknown key", "Did you mean 'set'?"])
+        self.study("axes: {time.end: [1, -2]}")
+        self.refuse("sweep", "study.yaml", says=["study.yaml:3 time.end: -2", "(run 0002: time.end=-2)"])
+        self.refuse("sweep", "study.yaml", "--jobs", "0")
+        self.refuse("sweep", "study.yaml", "--executor", "cloud", says=["--executor"])
+        with open(self.path("study.yaml"), "w") as file:
+            file.write("scene: nowhere.yaml\naxes: {time.end: [1, 2]}\n")
+        self.refuse("sweep", "study.yaml", says=["nowhere.yaml: no such file"])
+
+    def test_a_sweep_goes_on_after_it_was_killed(self):
+        self.scene()
+        self.study("axes: {orifices.0.width: [15, 20, 30], time.end: [20, 21, 22]}", "set: {time.dt_max: '0.005'}")
+        whole = self.hourglass("sweep", "study.yaml", "--out", "whole")
+        self.assertEqual(whole.returncode, 0, whole.stderr)
+        command = [PROGRAM, "sweep", "study.yaml", "--out", "cut", "--jobs", "2"]
+        for number, status in ((signal.SIGKILL, -9), (signal.SIGTERM, 143), (signal.SIGKILL, -9)):
+            process = subprocess.Popen(command, cwd=self.folder.name, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            process.stdout.readline()  # a run has ended, others are on their way
+            process.send_signal(number)
+            process.communicate(timeout=60)
+            self.assertEqual(process.returncode, status)
+            self.assertLess(len(self.table("cut")), 9)
+            self.assertGreater(len(self.table("cut")), 0)
+        result = subprocess.run(command, cwd=self.folder.name, capture_output=True, text=True, timeout=120)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(self.without_times(self.table("cut")), self.without_times(self.table("whole")))
 
     def small_disk(self):
         """A folder on a disk of 2 MiB, which takes root."""

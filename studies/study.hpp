@@ -1,0 +1,52 @@
+#pragma once
+// A study: one scene over axes of parameters. docs/studies.md lists the keys of its file.
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "solver/scene.hpp"
+
+namespace hourglass {
+
+struct StudyAxis {
+  std::string name;
+  std::vector<std::string> values;  ///< as written: numbers, or words
+  int line = 0;                     ///< in the file
+};
+
+struct Study {
+  /// A key of the scene that differs between runs, or from the base scene.
+  struct Setting {
+    std::string path;  ///< dotted
+    std::string text;  ///< a formula of the axes, or YAML
+    bool is_formula = true;
+    int line = 0;
+  };
+
+  std::filesystem::path file;
+  std::string name;
+  std::filesystem::path scene;
+  std::vector<StudyAxis> axes;
+  /// Axes that advance together, by number; the last group changes from run to run.
+  std::vector<std::vector<int>> groups;
+  std::vector<Setting> settings;
+  bool keep_fields = false, keep_snapshots = false;
+};
+
+struct StudyRun {
+  std::string name;                 ///< its number from 1, of at least four digits
+  std::vector<std::string> values;  ///< by axis
+  Scene scene;
+
+  /// "gap=2 mu_s=0.62"
+  std::string text(const Study& study) const;
+};
+
+/// Throws std::invalid_argument, a line for each thing that is wrong: file, line, key, what is allowed, the cure.
+Study read_study(const std::filesystem::path& file);
+
+/// Every run with its scene, all checked. Throws std::invalid_argument as read_study() does, naming the runs. Adds to
+/// `warnings` what is doubtful about the scenes.
+std::vector<StudyRun> runs_of(const Study& study, std::vector<std::string>& warnings);
+
+}  // namespace hourglass

@@ -1,0 +1,226 @@
+#include "studies/sweep.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+
+#include "io/files.hpp"
+#include "io/progress.hpp"
+#include "io/scene_yaml.hpp"
+#include "studies/child.hpp"
+#include "studies/run_time.hpp"
+#include "studies/study.hpp"
+#include "studies/sweep_table.hpp"
+
+namespace hourglass {
+namespace fs = std::filesystem;
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr long small_cells = 256L * 256;  ///< a run of so many gains little from a second thread
+constexpr const char* own_files[] = {"study.yaml", "results.csv"};
+constexpr const char* own_folders[] = {"inputs", "logs", "runs"};
+
+std::string last_line(const std::string& text) {
+  const std::size_t end = text.find_last_not_of("\r\n ");
+  if (end == std::string::npos) return {};
+  const std::size_t begin = text.find_last_of('\n', end);
+  return text.substr(begin == std::string::npos ? 0 : begin + 1, end - begin);
+}
+
+class Sweep {
+ public:
+  explicit Sweep(const SweepOptions& options)
+      : o_(options), study_(read_study(options.study)), runs_(runs_of(study_, warnings_)),
+        folder_(options.out.empty() ? fs::path("sweeps") / study_.name : options.out),
+        cores_(std::max(1, static_cast<int>(std::thread::hardware_concurrency()))) {
+    for (const std::string& warning : warnings_) fmt::print(stderr, "{}\n", warning);
+    for (const StudyRun& run : runs_)
+      seconds_.push_back(cell_step_seconds * static_cast<double>(run.scene.patch().cells()) *
+                         expected_steps(run.scene, expected_speed(run.scene)));
+  }
+
+  SweepResult dry_run() const {
+    double total = 0;
+    for (std::size_t r = 0; r < runs_.size(); ++r) {
+      fmt::print("{} {}: {} x {} cells, about {} on one thread\n", runs_[r].name, runs_[r].text(study_),
+                 runs_[r].scene.patch().nx, runs_[r].scene.patch().ny, duration_text(seconds_[r]));
+      total += seconds_[r];
+    }
+    fmt::print("{} runs, about {} in all\n", runs_.size(), duration_text(total / at_once()));
+    return {static_cast<int>(runs_.size()), 0, false};
+  }
+
+  SweepResult to_end() {
+    const FolderLock lock(folder_, "sweep");
+    prepare();
+    table_.emplace(folder_ / "results.csv", study_.axes, runs_);
+    std::size_t next = 0;
+    for (;;) {
+      interrupted_ = interrupted_ || std::ranges::any_of(o_.observers, [](Observer* observer) {
+                       return !observer->interrupt().empty();
+                     });
+      if (interrupted_ && !told_) {
+        for (Going& going : going_) going.child.terminate();
+        told_ = true;
+      }
+      for (; !interrupted_ && next < runs_.size() && begin(next); ++next) {
+      }
+      collect();
+      if (going_.empty() && (interrupted_ || next == runs_.size())) break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    const int failed = table_->failed();
+    if (interrupted_)
+      fmt::print("interrupted with {} of {} runs done; the same command goes on from here\n", table_->size(),
+                 runs_.size());
+    else
+      fmt::print("{}: {} runs, {} failed\n", (folder_ / "results.csv").string(), runs_.size(), failed);
+    return {static_cast<int>(runs_.size()), failed, interrupted_};
+  }
+
+ private:
+  struct Going {
+    std::size_t run;
+    int cores;
+    Clock::time_point start;
+    Child child;
+  };
+
+  fs::path run_folder(std::size_t r) const { return folder_ / "runs" / runs_[r].name; }
+  fs::path input(std::size_t r) const { return folder_ / "inputs" / (runs_[r].name + ".yaml"); }
+  fs::path log(std::size_t r) const { return folder_ / "logs" / (runs_[r].name + ".txt"); }
+
+  // ---- cores -------------------------------------------------------------------------------------------------
+
+  int threads(std::size_t r) const {
+    if (runs_[r].scene.patch().cells() <= small_cells) return 1;
+    return o_.jobs > 0 ? std::max(1, cores_ / o_.jobs) : cores_;
+  }
+  bool room_for(std::size_t r) const {
+    if (o_.jobs > 0) return std::ssize(going_) < o_.jobs;
+    int busy = 0;
+    for (const Going& going : going_) busy += going.cores;
+    return busy + threads(r) <= cores_;
+  }
+  /// How many times faster than one thread all goes, at best.
+  double at_once() const {
+    int most = 1;
+    for (std::size_t r = 0; r < runs_.size(); ++r) most = std::max(most, threads(r));
+    return o_.jobs > 0 ? std::min(cores_, o_.jobs * most) : cores_;
+  }
+
+  // ---- the folder --------------------------------------------------------------------------------------------
+
+  void prepare() {
+    const auto refuse = [&](const std::string& what) {
+      throw std::invalid_argument(fmt::format("{}: holds {}", folder_.string(), what));
+    };
+    if (!fs::exists(folder_ / own_files[0]))
+      for (const char* name : own_folders)
+        if (fs::exists(folder_ / name))
+          refuse(fmt::format("{}, not written by a sweep. Choose another folder with --out.", name));
+    if (o_.force) {
+      for (const char* name : own_files) fs::remove(folder_ / name);
+      for (const char* name : own_folders) fs::remove_all(folder_ / name);
+    }
+    for (std::size_t r = 0; r < runs_.size(); ++r)
+      if (const std::string before = text_at(input(r)); !before.empty() && before != to_yaml(runs_[r].scene))
+        refuse(fmt::format(
+            "the runs of another study, or of a version with other keys ({}). Choose another folder "
+            "with --out, or replace them with --force.",
+            input(r).filename().string()));
+    write_atomically(folder_ / own_files[0], text_at(study_.file));
+    for (const char* name : own_folders) fs::create_directories(folder_ / name);
+    for (std::size_t r = 0; r < runs_.size(); ++r)
+      if (!fs::exists(input(r))) write_atomically(input(r), to_yaml(runs_[r].scene));
+  }
+
+  // ---- runs --------------------------------------------------------------------------------------------------
+
+  /// False if there is no room for it yet.
+  bool begin(std::size_t r) {
+    if (table_->has(r)) return true;
+    if (const auto found = summary_of(run_folder(r)); found && found->at("status") != "interrupted") {
+      add(r, *found);  // of a process that was killed before it came to its row
+      return true;
+    }
+    if (!room_for(r)) return false;
+    fs::remove_all(run_folder(r));
+    going_.push_back({r, threads(r), Clock::now(),
+                      Child({o_.program.string(), "run", input(r).string(), "--out", run_folder(r).string(),
+                             "--quiet", "--threads", fmt::format("{}", threads(r))},
+                            log(r))});
+    return true;
+  }
+
+  void collect() {
+    for (std::size_t k = 0; k < going_.size();) {
+      Going& going = going_[k];
+      const std::optional<int> status = going.child.wait_status();
+      if (!status) {
+        ++k;
+        continue;
+      }
+      const std::size_t r = going.run;
+      const double seconds = std::chrono::duration<double>(Clock::now() - going.start).count();
+      going_.erase(going_.begin() + static_cast<std::ptrdiff_t>(k));
+      auto found = summary_of(run_folder(r));
+      if (interrupted_ && (!found || found->at("status") == "interrupted")) continue;  // again next time
+      if (!found) {
+        const std::string words = last_line(text_at(log(r)));
+        found =
+            SweepTable::Cells{{"status", "failed"},
+                              {"wall_seconds", fmt::format("{:.3f}", seconds)},
+                              {"reason", text_of_wait_status(*status) + (words.empty() ? "" : ": " + words)}};
+      }
+      if (found->at("status") != "failed") fs::remove(log(r));  // run.log has it all
+      add(r, *found);
+    }
+  }
+
+  void add(std::size_t r, const SweepTable::Cells& cells) {
+    table_->add(r, cells);
+    spent_ += std::stod(cells.at("wall_seconds"));
+    foreseen_ += seconds_[r];
+    double rest = 0;
+    for (std::size_t k = 0; k < runs_.size(); ++k)
+      if (!table_->has(k)) rest += seconds_[k];
+    const double pace = foreseen_ > 0 ? spent_ / foreseen_ : 1;
+    const auto rate = cells.find("discharge_rate");
+    fmt::print(
+        "[{}/{}] {} {}: {}{}, {}{}\n", table_->size(), runs_.size(), runs_[r].name, runs_[r].text(study_),
+        cells.at("status"),
+        rate != cells.end() ? fmt::format(", discharge {:.6s}", rate->second) : ", " + cells.at("reason"),
+        duration_text(std::stod(cells.at("wall_seconds"))),
+        rest > 0 ? fmt::format("; about {} left", duration_text(rest * pace / at_once())) : "");
+    std::fflush(stdout);
+  }
+
+  const SweepOptions& o_;
+  Study study_;
+  std::vector<std::string> warnings_;
+  std::vector<StudyRun> runs_;
+  fs::path folder_;
+  int cores_;
+  std::vector<double> seconds_;  ///< by run, foreseen on one thread
+  std::optional<SweepTable> table_;
+  std::vector<Going> going_;
+  bool interrupted_ = false, told_ = false;
+  double spent_ = 0, foreseen_ = 0;  ///< of the runs done by this call
+};
+
+}  // namespace
+
+SweepResult sweep(const SweepOptions& options) {
+  Sweep all(options);
+  return options.dry_run ? all.dry_run() : all.to_end();
+}
+
+}  // namespace hourglass

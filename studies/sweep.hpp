@@ -1,0 +1,33 @@
+#pragma once
+// `hourglass sweep`: the runs of a study, several at a time, each in a process of its own: one that crashes is a row of
+// the table and ends nothing else. What is in a folder of a sweep: docs/studies.md.
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "solver/simulation.hpp"
+
+namespace hourglass {
+
+struct SweepOptions {
+  std::filesystem::path study;
+  std::filesystem::path out{};  ///< empty: sweeps/<name of the study>
+  int jobs = 0;                 ///< runs at a time; 0: as many as the cores can take, by the cells of each
+  bool force = false;           ///< without what is in the folder
+  bool dry_run = false;
+  std::vector<Observer*> observers{};  ///< asked whether to stop
+  std::filesystem::path program =
+      "/proc/self/exe";  ///< called as hourglass run SCENE --out DIR --quiet --threads N
+};
+
+struct SweepResult {
+  int runs = 0, failed = 0;
+  bool interrupted = false;  ///< the same call goes on
+};
+
+/// Goes on where an earlier process was stopped. Throws std::invalid_argument, having written nothing, if the study or one
+/// of its scenes is wrong, the folder holds another study or another process works in it; std::runtime_error if it
+/// cannot be written.
+SweepResult sweep(const SweepOptions& options);
+
+}  // namespace hourglass

@@ -1,0 +1,148 @@
+#include "studies/sweep.hpp"
+
+#include <catch2/catch.hpp>
+#include <csignal>
+
+#include "io/csv.hpp"
+#include "io/files.hpp"
+#include "io/scene_yaml.hpp"
+#include "tests/support/folders.hpp"
+#include "tests/support/make_scene.hpp"
+
+using namespace hourglass;
+using Catch::Contains;
+namespace fs = std::filesystem;
+
+namespace {
+
+// Stands for hourglass: called as run SCENE --out DIR ..., what happens depends on the number of the run.
+constexpr const char* stand_in = R"sh(#!/bin/sh
+mkdir -p "$4" && echo "$2" >> "$(dirname "$4")/../calls"
+summary() { echo "{\"status\": \"$1\", \"reason\": \"$2\", \"discharge_rate\": 1.5, \"wall_seconds\": 0.25}" > "$3"; }
+case "$(basename "$4")" in
+  0002) echo "first line" >&2; echo "the cause" >&2; exit 1;;
+  0003) kill -SEGV $$;;
+  0004) summary diverged "NaN, at step 7" "$4/summary.json"; exit 1;;
+  *) summary finished "reached time.end" "$4/summary.json";;
+esac
+)sh";
+
+class StudyOfSix {
+ public:
+  StudyOfSix() {
+    folder_.write("silo.yaml", to_yaml(sound_scene()));
+    study("[1, 2, 3, 4, 5, 6]");
+    folder_.write("program", stand_in);
+    fs::permissions(folder_ / "program", fs::perms::owner_all);
+  }
+  void study(const std::string& values) const {
+    folder_.write("study.yaml", "name: six\nscene: silo.yaml\naxes: {time.end: " + values + "}\n");
+  }
+  SweepOptions options(int jobs) const {
+    return {.study = folder_ / "study.yaml",
+            .out = folder_ / "out",
+            .jobs = jobs,
+            .program = folder_ / "program"};
+  }
+  std::string table() const { return text_at(folder_ / "out/results.csv"); }
+  long calls() const {
+    const std::string text = text_at(folder_ / "out/calls");
+    return std::count(text.begin(), text.end(), '\n');
+  }
+  const TestFolder& folder() const { return folder_; }
+
+ private:
+  TestFolder folder_;
+};
+
+class StopsAtOnce : public Observer {
+  std::string interrupt() override { return "stop"; }
+};
+
+}  // namespace
+
+TEST_CASE("a sweep: a row each run in their order, failed ones with their cause") {
+  const StudyOfSix six;
+  const SweepResult result = sweep(six.options(3));
+  CHECK(result.runs == 6);
+  CHECK(result.failed == 3);
+  CHECK_FALSE(result.interrupted);
+  const auto rows = csv_rows(six.table());
+  REQUIRE(rows.size() == 7);
+  CHECK(rows[0] == std::vector<std::string>{"run", "time.end", "status", "discharge_rate",
+                                            "discharge_constant", "quasi_static_fraction", "mass_error",
+                                            "steps", "cells", "back_offs", "missed_tolerances",
+                                            "wall_seconds", "reason"});
+  for (int k = 1; k <= 6; ++k) {
+    CHECK(rows[k][0] == "000" + std::to_string(k));
+    CHECK(rows[k][1] == std::to_string(k));
+  }
+  CHECK(rows[1][2] == "finished");
+  CHECK(rows[1][3] == "1.5");
+  CHECK(rows[1][11] == "0.25");
+  CHECK(rows[2][2] == "failed");
+  CHECK(rows[2][3].empty());
+  CHECK(rows[2][12] == "exit status 1: the cause");
+  CHECK(rows[3][2] == "failed");
+  CHECK_THAT(rows[3][12], Contains("killed by signal 11"));
+  CHECK(rows[4][2] == "diverged");
+  CHECK(rows[4][12] == "NaN, at step 7");
+
+  const std::string before = six.table();
+  sweep(six.options(1));
+  CHECK(six.calls() == 6);  // all were there
+  CHECK(six.table() == before);
+}
+
+TEST_CASE("a sweep goes on: only what is missing runs, and more values may be added at the end") {
+  const StudyOfSix six;
+  sweep(six.options(2));
+  const std::string whole = six.table();
+  const auto lines = csv_rows(whole);
+  write_atomically(six.folder() / "out/results.csv",
+                   csv_row(lines[0]) + csv_row(lines[1]) + csv_row(lines[6]));
+  fs::remove(six.folder() /
+             "out/runs/0005/summary.json");  // as if it had been killed; 0004 lacks its row only
+  sweep(six.options(1));
+  CHECK(six.calls() == 6 + 3);  // 2, 3 and 5
+  CHECK(csv_rows(six.table())[5] == lines[5]);
+  CHECK(csv_rows(six.table())[2][12] == "exit status 1: the cause");
+
+  six.study("[1, 2, 3, 4, 5, 6, 7]");
+  CHECK(sweep(six.options(1)).runs == 7);
+  CHECK(six.calls() == 10);
+
+  six.study("[1, 2, 3, 4, 5]");
+  CHECK_THROWS_WITH(sweep(six.options(1)), Contains("row 0006 is of no run of this study"));
+  six.study("[1, 2, 3, 4, 5, 8, 7]");
+  CHECK_THROWS_WITH(sweep(six.options(1)),
+                    Contains("holds the runs of another study") && Contains("--force"));
+  SweepOptions force = six.options(1);
+  force.force = true;
+  CHECK(sweep(force).runs == 7);
+  CHECK(csv_rows(six.table())[6][1] == "8");
+}
+
+TEST_CASE("a sweep leaves alone what it has not written, and one folder has one sweep") {
+  const StudyOfSix six;
+  fs::create_directories(six.folder() / "out/runs");
+  SweepOptions force = six.options(1);
+  force.force = true;
+  CHECK_THROWS_WITH(sweep(force), Contains("holds runs, not written by a sweep"));
+  fs::remove_all(six.folder() / "out/runs");
+  const FolderLock lock(six.folder() / "out", "sweep");
+  CHECK_THROWS_WITH(sweep(six.options(1)), Contains("another sweep is at work in it"));
+}
+
+TEST_CASE("a sweep that is told to stop begins no run, and a dry run writes nothing") {
+  const StudyOfSix six;
+  SweepOptions options = six.options(1);
+  options.dry_run = true;
+  CHECK(sweep(options).runs == 6);
+  CHECK_FALSE(fs::exists(six.folder() / "out"));
+  StopsAtOnce stops;
+  options = six.options(1);
+  options.observers = {&stops};
+  CHECK(sweep(options).interrupted);
+  CHECK(six.calls() == 0);
+}
