@@ -5,13 +5,12 @@
 
 Each word runs with the grid that it chooses. The reference is a Richardson extrapolation from 128, 256 and 512 cells across at the
 tolerances of `accurate` with half the longest step. Runs that are there already are not repeated. Writes
-presets.csv.
+presets.csv and presets.md, the table of docs/trade.md.
 """
 import argparse
 import bisect
 import csv
 import json
-import os
 import pathlib
 import resource
 import subprocess
@@ -116,7 +115,16 @@ def main():
         table = csv.DictWriter(file, rows[0], lineterminator="\n")
         table.writeheader()
         table.writerows(rows)
-    print(a.out / "presets.csv")
+    lines = ["| scene | accuracy | cells | processor s | discharge rate | error | quasi-static share | error | mass error |",
+             "|---|---|---|---|---|---|---|---|---|"]
+    for r in rows:
+        bar = "± " if r["accuracy"] == "reference" else ""
+        percent = [f"{bar}{100 * abs(float(r[k])):.2g} %" if bar else f"{100 * float(r[k]):+.2g} %"
+                   for k in ("discharge_error", "quasi_static_error")]
+        lines.append(f"| {r['scene']} | {r['accuracy']} | {round(int(r['cells']) ** 0.5)}² | {r['cpu_seconds']:.3g} "
+                     f"| {r['discharge_rate']} | {percent[0]} | {r['quasi_static_fraction']} | {percent[1]} | {r['mass_error']} |")
+    (a.out / "presets.md").write_text("\n".join(lines) + "\n")
+    print(a.out / "presets.md")
 
 
 if __name__ == "__main__":
