@@ -115,7 +115,7 @@ def main():
         table = csv.DictWriter(file, rows[0], lineterminator="\n")
         table.writeheader()
         table.writerows(rows)
-    lines = ["| scene | accuracy | cells | processor s | discharge rate | error | quasi-static share | error | mass error |",
+    lines = ["| scene | accuracy | cells | processor s | discharge rate | error | quasi-static share | difference | mass error |",
              "|---|---|---|---|---|---|---|---|---|"]
     for r in rows:
         bar = "± " if r["accuracy"] == "reference" else ""
