@@ -323,14 +323,14 @@ TEST_CASE("without grid.cells_x accuracy decides, by the narrowest opening") {
     return loaded.scene.cells_x;
   };
   const std::string silo = sound_with(3, "");
-  CHECK(cells(silo, {"accuracy=fast"}) == 64);
+  CHECK(cells(silo, {"accuracy=fast"}) == 48);
   CHECK(cells(silo) == 128);
   CHECK(cells(silo, {"accuracy={preset: accurate, extrapolate: 0}"}) == 256);
   CHECK(cells(silo, {"accuracy={cells_across_orifice: 10}"}) == 80);
   CHECK(cells(silo, {"orifices.0.width=10"}) == 240);
   CHECK(cells(silo, {"orifices.0.width=1"}) == 1024);  // the most
   CHECK(cells(silo, {"domain.height=140"}) == 240);    // 128 would be 119.5 cells high
-  CHECK(cells(sound_with(3, "") + "inserts: []\n", {"orifices=[]", "accuracy=fast"}) == 64);
+  CHECK(cells(sound_with(3, "") + "inserts: []\n", {"orifices=[]", "accuracy=fast"}) == 48);
   CHECK(cells(silo, {"orifices=[]"}) == 128);
   CHECK(cells(silo, {"orifices=[]", "accuracy={preset: accurate, extrapolate: 0}"}) == 256);
   CHECK(cells(sound_with(3, "hopper: {half_angle: 30, outlet: 30}"), {"orifices=[]"}) == 80);
