@@ -92,7 +92,7 @@ class Run {
       stepping_ += seconds_since(start);
       const auto after = Clock::now();
       if (trouble && back_off(trouble)) continue;
-      if (trouble && !accept(trouble)) break;
+      if (trouble && !accept(trouble, report)) break;
       mass_ = simulation_.grain_mass();
       mass_over_time_.push_back({s_.t, unfed_mass()});
       summary_.worst_max_divergence = std::max(summary_.worst_max_divergence, report.max_divergence);
@@ -166,8 +166,8 @@ class Run {
     return true;
   }
 
-  /// Whether the run can go on all the same. If not, its last good state is what is left of it.
-  bool accept(const Trouble& trouble) {
+  /// Whether the run can go on all the same. If not, its last good state is what is left of it, and to be told.
+  bool accept(const Trouble& trouble, StepReport& report) {
     ++summary_.missed_tolerances;
     if (summary_.missed_tolerances <= 20) warn(trouble.what);
     misses_in_a_row_ = s_.steps == last_miss_ + 1 ? misses_in_a_row_ + 1 : 1;
@@ -175,7 +175,11 @@ class Run {
     if (!trouble.hopeless && misses_in_a_row_ < 20) return true;
     end(Status::diverged,
         trouble.hopeless ? trouble.what : "20 steps in a row missed a tolerance; the last: " + trouble.what);
-    if (s_.backup) s_.go_back();
+    if (s_.backup) {
+      s_.go_back();
+      report.t = s_.t;
+      report.step = s_.steps;
+    }
     return false;
   }
   void fail(const std::string& reason) {

@@ -23,7 +23,8 @@ inline double expected_speed(const Scene& scene) {
 inline double expected_steps(const Scene& scene, double speed) {
   if (scene.model != Model::mu_I) return 0;
   const TimeControl& time = scene.time;
-  const double dt = speed > 0 ? std::min(time.dt_max, time.cfl * scene.patch().h / speed) : time.dt_max;
+  const double longest = scene.accuracy.step_factor * time.dt_max;
+  const double dt = speed > 0 ? std::min(longest, time.cfl * scene.patch().h / speed) : longest;
   double end = time.end > 0 ? time.end : HUGE_VAL;
   if (const double scale = discharge_scale(scene, total_width(scene)); time.end <= 0 && scale > 0)
     end = scene.materials[0].density * scene.width * scene.height * scene.copies() / scale;

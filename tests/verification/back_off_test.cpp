@@ -73,6 +73,8 @@ TEST_CASE("trouble that no care helps ends the run with its last good state") {
     void on_step(const StepReport& report, double) override {
       if (report.step >= 40) s_.fields().p(5, 5) = s_.fields().u(5, 5) = std::nan("");
     }
+    void on_series(const SeriesRow& row) override { told = row.step.t; }
+    double told = 0;
 
    private:
     Simulation& s_;
@@ -83,6 +85,7 @@ TEST_CASE("trouble that no care helps ends the run with its last good state") {
   CHECK(summary.back_offs == 4);
   CHECK(std::isfinite(simulation.fields().u(5, 5)));
   CHECK(simulation.t() > 0);
+  CHECK(always.told == simulation.t());
   CHECK(summary.mass_error < 1e-6);
 }
 
