@@ -54,6 +54,7 @@ struct Arguments {
   std::string scene, study, out, run, executor = "local";
   std::vector<std::string> sets, overlays;
   RenderOptions render;
+  MeasureOptions measure;
   std::optional<double> budget;
   std::optional<double> fit_time;
   std::string csv;
@@ -215,7 +216,7 @@ int sweep(const Arguments& a) {
 }
 
 int measure(const Arguments& a) {
-  hourglass::measure(a.run);
+  hourglass::measure(a.run, a.measure);
   return finished;
 }
 
@@ -304,6 +305,20 @@ int main(int argc, char** argv) {
       ->required()
       ->type_name("RUN|STUDY")
       ->check(CLI::ExistingDirectory);
+  const auto of_fields = [&](const char* name, auto& values, const char* type, const char* what) {
+    return measure_command->add_option(name, values, what)->type_name(type)->allow_extra_args(false);
+  };
+  of_fields("--line", a.measure.lines, "X0,Y0,X1,Y1|x=X|y=Y",
+            "profiles of fields along a line; may be repeated");
+  of_fields("--probe", a.measure.probes, "X,Y", "fields at a place over time; may be repeated");
+  of_fields("--field", a.measure.fields, "F",
+            "field along lines and at probes; may be repeated (default: all that are stored)");
+  of_fields(
+      "--time", a.measure.times, "T",
+      "lines at the frame nearest to this time; may be repeated (default: mean over the discharge's window)");
+  of_fields("--threshold", a.measure.speeds, "S",
+            "share of grains slower than S sqrt(g d); may be repeated (default: 1e-2, 1e-3 and 1e-4)")
+      ->check(CLI::PositiveNumber);
 
   CLI::App* fit_command =
       app.add_subcommand("fit", "B and Q of the kinematic model that comes nearest to a stored run");
