@@ -20,6 +20,14 @@ struct YamlNode {
   std::vector<YamlNode> items;                         ///< of a list
   std::vector<std::pair<std::string, YamlNode>> keys;  ///< of a map, in the order of the text
 
+  // Defined where the type is complete, as its vector of pairs of itself needs.
+  YamlNode();
+  YamlNode(const YamlNode&);
+  YamlNode(YamlNode&&) noexcept;
+  YamlNode& operator=(const YamlNode&);
+  YamlNode& operator=(YamlNode&&) noexcept;
+  ~YamlNode();
+
   /// A map's value or, for a number, a list's item; nullptr if there is none.
   const YamlNode* find(const std::string& key) const;
 };

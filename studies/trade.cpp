@@ -341,7 +341,8 @@ class Trade {
                      [](const auto& a, const auto& b) { return a.first > b.first; });
     std::vector<Variant> out;
     for (auto& [value, v] : found)
-      if (std::none_of(out.begin(), out.end(), [&](const Variant& o) { return o.lever == v.lever; }) &&
+      if (std::none_of(out.begin(), out.end(),
+                       [&, lever = v.lever](const Variant& o) { return o.lever == lever; }) &&
           std::ssize(out) < most_combined)
         out.push_back(std::move(v));
     return out;
@@ -425,7 +426,7 @@ class Trade {
     std::vector<TradeResult::Row> rows;
     for (const TradeResult::Row& finest : result_.rows) {
       if (finest.run.scene.accuracy.extrapolate > 0) continue;  // it has been
-      std::vector<const TradeResult::Row*> grids{&finest};  // the finest first
+      std::vector<const TradeResult::Row*> grids{&finest};      // the finest first
       for (int divisor = 2; divisor <= 4 && std::ssize(grids) == divisor / 2; divisor *= 2) {
         const auto coarser =
             std::find_if(result_.rows.begin(), result_.rows.end(), [&](const TradeResult::Row& row) {
