@@ -276,7 +276,10 @@ struct RunFolder::Impl {
   /// A picture of each field; none, with a warning, where there is no OpenGL.
   void draw(const Frame& frame) {
     try {
-      fs::create_directories(path / "snapshots");
+      std::error_code error;
+      fs::create_directories(path / "snapshots", error);
+      if (error)
+        throw std::runtime_error(fmt::format("{}: {}", (path / "snapshots").string(), error.message()));
       for (const std::string& field : drawn)
         render_png(picture_of(field, frame, info), snapshot_path(path, field, snapshots));
       ++snapshots;
