@@ -9,6 +9,7 @@
 #include <cstring>
 #include <ctime>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <optional>
 #include <stdexcept>
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "io/checkpoint.hpp"
+#include "io/command_pages.hpp"
 #include "io/files.hpp"
 #include "io/fit_run.hpp"
 #include "io/forecast.hpp"
@@ -74,6 +76,7 @@ struct Arguments {
   std::string scene, study, out, run, executor = "local";
   std::vector<std::string> sets, overlays;
   RenderOptions render;
+  MeasureOptions measure;
   std::optional<double> budget;
   std::optional<double> fit_time;
   std::string csv;
@@ -245,7 +248,14 @@ int sweep(const Arguments& a) {
 }
 
 int measure(const Arguments& a) {
-  hourglass::measure(a.run);
+  hourglass::measure(a.run, a.measure);
+  return finished;
+}
+
+int write_pages(const CLI::App& app, const std::filesystem::path& folder) {
+  write_atomically(folder / "hourglass.1", man_page(app, provenance().version));
+  write_atomically(folder / "hourglass.bash", bash_completion(app));
+  write_atomically(folder / "hourglass.zsh", zsh_completion(app));
   return finished;
 }
 
@@ -328,6 +338,20 @@ int main(int argc, char** argv) {
       ->required()
       ->type_name("RUN|STUDY")
       ->check(CLI::ExistingDirectory);
+  const auto of_fields = [&](const char* name, auto& values, const char* type, const char* what) {
+    return measure_command->add_option(name, values, what)->type_name(type)->allow_extra_args(false);
+  };
+  of_fields("--line", a.measure.lines, "X0,Y0,X1,Y1|x=X|y=Y",
+            "profiles of fields along a line; may be repeated");
+  of_fields("--probe", a.measure.probes, "X,Y", "fields at a place over time; may be repeated");
+  of_fields("--field", a.measure.fields, "F",
+            "field along lines and at probes; may be repeated (default: all that are stored)");
+  of_fields(
+      "--time", a.measure.times, "T",
+      "lines at the frame nearest to this time; may be repeated (default: mean over the discharge's window)");
+  of_fields("--threshold", a.measure.speeds, "S",
+            "share of grains slower than S sqrt(g d); may be repeated (default: 1e-2, 1e-3 and 1e-4)")
+      ->check(CLI::PositiveNumber);
 
   CLI::App* fit_command =
       app.add_subcommand("fit", "B and Q of the kinematic model that comes nearest to a stored run");
@@ -372,6 +396,10 @@ int main(int argc, char** argv) {
 
   // A reader that has gone and a limit on the size of files are errors like others, told where they happen.
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
+  CLI::App* pages_command = app.add_subcommand("pages", "write the man page and the completions of shells");
+  pages_command->group("");  // for who packages hourglass
+  pages_command->add_option("folder", a.out, "folder")->required()->check(CLI::ExistingDirectory);
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -386,6 +414,7 @@ int main(int argc, char** argv) {
     if (*sweep_command) return sweep(a);
     if (*measure_command) return measure(a);
     if (*fit_command) return fit(a);
+    if (*pages_command) return write_pages(app, a.out);
     return render(a);
   } catch (const std::invalid_argument& error) {  // what was asked for cannot be: nothing was written
     fmt::print(stderr, "{}\n", error.what());

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "io/files.hpp"
 #include "io/hdf5.hpp"
@@ -201,8 +202,12 @@ void FieldWriter::write(const Frame& frame) {
   const std::string name = member_name(frames_);
   const std::size_t sets = frame.fields.size() + 1, components = frame.fields.size() + 3;
   // Raw data and, generously, what HDF5 writes about each dataset.
-  reserve_room(h5_, info_.patch.cells() * components * sizeof(float) + (sets + 4) * 8192);
+  const std::size_t room = info_.patch.cells() * components * sizeof(float) + (sets + 4) * 8192;
+  reserve_room(h5_, room);
   try {
+    // HDF5 writes the new length into the file before the file has it, and opens none that is shorter than it says. Longer
+    // is no matter: closing cuts off what is too much.
+    std::filesystem::resize_file(h5_, std::filesystem::file_size(h5_) + room);
     h5::Id file = h5::open(h5_, H5F_ACC_RDWR);
     const h5::Id group = h5::create_nameless_group(file);
     h5::write_attribute(group, "time", frame.t);
@@ -325,6 +330,21 @@ Frame FieldReader::read(int frame, const std::vector<std::string>& fields) const
   out.velocity_x = component(0, 3);
   out.velocity_y = component(1, 3);
   return out;
+}
+
+std::vector<int> frames_at(const std::vector<double>& all, const std::vector<double>& wanted) {
+  std::vector<int> frames;
+  for (int k = 0; k < static_cast<int>(all.size()) && wanted.empty(); ++k) frames.push_back(k);
+  const double slack = 1e-6 * (all.back() - all.front());
+  for (const double t : wanted) {
+    if (!(t >= all.front() - slack && t <= all.back() + slack)) {
+      throw std::invalid_argument(fmt::format("time {} is outside the run, whose frames go from {} to {}", t,
+                                              all.front(), all.back()));
+    }
+    const auto nearer = [t](double a, double b) { return std::abs(a - t) < std::abs(b - t); };
+    frames.push_back(static_cast<int>(std::min_element(all.begin(), all.end(), nearer) - all.begin()));
+  }
+  return frames;
 }
 
 }  // namespace hourglass

@@ -34,7 +34,7 @@ fill:
 orifices: [{wall: bottom, centre: 75, width: 37.5}]
 physics: {nonlocal: {A: 0.5}, dilatancy: {phi_g: 0.2}}
 time: {end: 1e6, max_steps: 800}
-output: {series_every: 0.1, fields_every: 0.5, snapshots_every: 0, fields: [speed, tracer], checkpoint_minutes: 0.005}
+output: {series_every: 0.1, fields_every: 0.1, snapshots_every: 0, fields: [speed, tracer], checkpoint_minutes: 0.005}
 """
 STEPS = 800
 FAULTS = []

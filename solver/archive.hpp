@@ -46,11 +46,12 @@ class Archive {
   void field(const std::string& name, Field<where>& f) {
     table(name, f.ny() + 2 * halo, f.nx() + 2 * halo, [&](int k) { return f.row(k - halo) - halo; });
   }
-  void history(const std::string& name, std::vector<std::array<double, 2>>& samples) {
+  template <std::size_t n>
+  void history(const std::string& name, std::vector<std::array<double, n>>& samples) {
     double size = static_cast<double>(samples.size());
     number(name + "_size", size);
     samples.resize(static_cast<std::size_t>(size));
-    table(name, static_cast<int>(samples.size()), 2,
+    table(name, static_cast<int>(samples.size()), static_cast<int>(n),
           [&](int k) { return samples[static_cast<std::size_t>(k)].data(); });
   }
   /// Names of what `body` walks begin with this one.

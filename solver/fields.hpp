@@ -1,5 +1,6 @@
 #pragma once
 // Everything that evolves from step to step; allocated once.
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,12 @@ void each_field(Fields& f, Visitor&& visit) {
   for (std::size_t k = 0; k < f.tracers.size(); ++k) visit("tracer_" + std::to_string(k + 1), f.tracers[k]);
   for (std::size_t k = 0; k < f.solid.size(); ++k) visit("solid_" + std::to_string(k), f.solid[k]);
   if (f.fluidity.allocated()) visit("fluidity", f.fluidity);
+}
+
+/// At a cell's centre [L/T].
+inline double cell_speed(const Fields& f, int i, int j) {
+  const double u = 0.5 * (f.u(i, j) + f.u(i + 1, j)), v = 0.5 * (f.v(i, j) + f.v(i, j + 1));
+  return std::sqrt(u * u + v * v);
 }
 
 /// Shares of grains and tracers in the cells of solids (fill_solid). Call from one member.

@@ -141,7 +141,7 @@ class Run {
       archive.number("initial_mass", initial_mass_);
       archive.number("mass", mass_);
       archive.history("mass_over_time", mass_over_time_);
-      archive.history("static_over_time", static_over_time_);
+      walk_slow_grains(archive);
       archive.number("row_t", last_.step.t);
       archive.numbers("row_orifices", last_.orifice_outflow);
       archive.numbers("row_materials", last_.material_outflow);
@@ -166,6 +166,17 @@ class Run {
       if (archive.restoring()) wall_before_ = wall;
       archive.group("step", [&] { walk_report(archive); });
     });
+  }
+  void walk_slow_grains(Archive& archive) {
+    std::vector<std::array<double, 5>> rows;
+    for (const auto& [t, s] : slow_)
+      rows.push_back({t, s.quasi_static_fraction, s.quasi_static_1e2, s.quasi_static_1e4,
+                      s.quasi_static_above_flat_top.value_or(-1)});
+    archive.history("slow_grains", rows);
+    slow_.clear();
+    for (const auto& [t, usual, faster, slower, above] : rows)
+      slow_.emplace_back(t,
+                         SlowGrains{usual, faster, slower, above < 0 ? std::nullopt : std::optional(above)});
   }
   void walk_report(Archive& archive) {
     archive.number("step", report_.step);
@@ -372,9 +383,27 @@ class Run {
     if (row.fed) row.fed = interval > 0 ? (*row.fed - last_.fed.value_or(0)) / interval : 0;
     for (double q : row.orifice_outflow) row.outflow += q;
     row.wall_seconds = wall_seconds();
-    static_over_time_.push_back({s_.t, row.quasi_static_fraction});
+    slow_.emplace_back(s_.t, row);
     for (Observer* o : observers_) o->on_series(row);
     last_ = totals;
+  }
+
+  SlowGrains slow_grains(const DischargeWindow& window) const {
+    const auto mean = [&](const auto& figure) {
+      History over_time;
+      for (const auto& [t, slow] : slow_) over_time.push_back({t, figure(slow)});
+      return mean_over(over_time, window.from, window.to);
+    };
+    const auto fraction = mean([](const SlowGrains& s) { return s.quasi_static_fraction; });
+    if (!fraction) return s_.row({});
+    SlowGrains out{*fraction,
+                   *mean([](const SlowGrains& s) { return s.quasi_static_1e2; }),
+                   *mean([](const SlowGrains& s) { return s.quasi_static_1e4; }),
+                   {}};
+    if (slow_[0].second.quasi_static_above_flat_top)
+      out.quasi_static_above_flat_top =
+          mean([](const SlowGrains& s) { return *s.quasi_static_above_flat_top; });
+    return out;
   }
 
   Summary summarise() {
@@ -385,10 +414,9 @@ class Run {
     r.discharge_window[1] = window.to;
     const double scale = discharge_scale(scene_, total_width(scene_));
     if (scale > 0) r.discharge_constant = window.rate / scale;
-    const auto share = mean_over(static_over_time_, window.from, window.to);
-    r.quasi_static_fraction = share ? *share : simulation_.quasi_static_fraction();
+    static_cast<SlowGrains&>(r) = slow_grains(window);
     r.mass_over_time = mass_over_time_;
-    r.quasi_static_over_time = static_over_time_;
+    for (const auto& [at, slow] : slow_) r.quasi_static_over_time.push_back({at, slow.quasi_static_fraction});
     r.mass_error = s_.mass_error(initial_mass_);
     r.steps = s_.steps;
     r.cells = scene_.patch().cells();
@@ -409,8 +437,9 @@ class Run {
   double initial_mass_;
   double mass_;
   const double settle_;  // when the discharge counts as developed
-  History mass_over_time_, static_over_time_;
-  SeriesRow last_;  // its outflows are totals
+  History mass_over_time_;
+  std::vector<std::pair<double, SlowGrains>> slow_;  // by row
+  SeriesRow last_;                                   // its outflows are totals
   Summary summary_;
   StepReport report_;  // of the last step
   bool began_ = false, ended_ = false, watched_orifices_ = false;

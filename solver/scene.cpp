@@ -324,8 +324,8 @@ void check_numerics(const Scene& s, Problems& p) {
             a.viscous_tolerance, "above 0, below 1", "1e-3 is balanced.");
   p.require(a.pressure_tolerance > 0 && a.pressure_tolerance < 1, "accuracy.pressure_tolerance",
             a.pressure_tolerance, "above 0, below 1", "3e-6 is balanced.");
-  p.require(a.step_factor > 0 && a.step_factor <= 100, "accuracy.step_factor", a.step_factor, "above 0, at most 100",
-            "It multiplies time.dt_max.");
+  p.require(a.step_factor > 0 && a.step_factor <= 100, "accuracy.step_factor", a.step_factor,
+            "above 0, at most 100", "It multiplies time.dt_max.");
   p.require(a.cells_across_orifice >= 2 && a.cells_across_orifice <= 1024, "accuracy.cells_across_orifice",
             a.cells_across_orifice, "2 to 1024", "16 is balanced.");
   p.require(a.max_iterations >= 1, "accuracy.max_iterations", a.max_iterations, ">= 1");
@@ -474,6 +474,8 @@ void check_output(const Scene& s, Problems& p) {
   const double minutes = s.output.checkpoint_minutes;
   p.require(minutes >= 0 && minutes <= 1e6, "output.checkpoint_minutes", minutes, "0 to 1e6",
             "0 writes a checkpoint only where the run ends or a signal stops it.");
+  p.require(s.output.compression >= 0 && s.output.compression <= 9, "output.compression",
+            s.output.compression, "0 to 9", "0 does not compress.");
   std::string known;
   for (const FieldInfo& info : known_fields()) known += (known.empty() ? "" : ", ") + std::string(info.name);
   for (std::size_t k = 0; k < s.output.fields.size(); ++k) {
