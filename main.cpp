@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <ctime>
 #include <exception>
 #include <filesystem>
 #include <new>
@@ -13,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "io/checkpoint.hpp"
 #include "io/command_pages.hpp"
 #include "io/files.hpp"
 #include "io/fit_run.hpp"
@@ -37,16 +41,34 @@ namespace {
 enum Exit { finished = 0, failed = 1, wrong_input = 2, by_signal = 128 };
 
 volatile std::sig_atomic_t caught_signal = 0;
+timespec caught_at{};
+
+/// A further signal ends the program at once. Not within half a second, for many come twice: `timeout` sends it to the
+/// process and to its group, a terminal to all of a sweep, which sends another on.
+void catch_signal(int signal) {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  if (caught_signal == 0) {
+    caught_at = now;
+    caught_signal = signal;
+  } else if (static_cast<double>(now.tv_sec - caught_at.tv_sec) +
+                 1e-9 * static_cast<double>(now.tv_nsec - caught_at.tv_nsec) >
+             0.5) {
+    std::_Exit(by_signal + signal);
+  }
+}
 
 /// Ends a run after the step at hand when a signal asks for it.
 class SignalWatch : public Observer {
  public:
   SignalWatch() {
-    for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int s) { caught_signal = s; });
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+      if (std::signal(signal, catch_signal) == SIG_IGN && signal == SIGHUP)
+        std::signal(signal, SIG_IGN);  // nohup
   }
   std::string interrupt() override {
     if (!caught_signal) return {};
-    return caught_signal == SIGINT ? "interrupted by SIGINT" : "interrupted by SIGTERM";
+    return std::string("interrupted by SIG") + sigabbrev_np(caught_signal);
   }
 };
 
@@ -75,9 +97,11 @@ Loaded load(const Arguments& a) {
 }
 
 /// The run, after those on coarser grids that the scene asks for.
-Summary run_with_extrapolation(Simulation& simulation, RunFolder& folder, SignalWatch& watch, bool quiet) {
+Summary run_with_extrapolation(Simulation& simulation, RunFolder& folder, SignalWatch& watch, bool quiet,
+                               Archive* from) {
   const Scene& scene = simulation.scene();
-  if (scene.accuracy.extrapolate == 0 || scene.orifices.empty()) return simulation.run({&folder, &watch});
+  if (scene.accuracy.extrapolate == 0 || scene.orifices.empty())
+    return simulation.run({&folder, &watch}, from);
   const CoarseRuns coarse = run_coarser(scene, quiet, watch);
   Summary summary;
   if (coarse.interrupted) {
@@ -85,7 +109,7 @@ Summary run_with_extrapolation(Simulation& simulation, RunFolder& folder, Signal
     summary.reason = watch.interrupt() + ", on a coarser grid (accuracy.extrapolate)";
     return summary;
   }
-  summary = simulation.run({&folder, &watch});
+  summary = simulation.run({&folder, &watch}, from);
   const std::size_t before = summary.warnings.size();
   extrapolate(coarse, summary);
   for (std::size_t k = before; k < summary.warnings.size(); ++k) folder.on_warning(summary.warnings[k]);
@@ -93,10 +117,6 @@ Summary run_with_extrapolation(Simulation& simulation, RunFolder& folder, Signal
 }
 
 int run(const Arguments& a) {
-  if (a.resume) {
-    fmt::print(stderr, "--resume: not in this version. Use --force to run again from the start.\n");
-    return wrong_input;
-  }
   const Loaded loaded = load(a);
   print(loaded);
   if (!loaded.ok()) return wrong_input;
@@ -104,22 +124,34 @@ int run(const Arguments& a) {
   std::vector<std::string> warnings;
   for (const Diagnostic& d : loaded.diagnostics) warnings.push_back(d.text());
   warnings.insert(warnings.end(), loaded.notes.begin(), loaded.notes.end());
+  RunOptions options{.out = a.out, .force = a.force, .quiet = a.quiet};
+  std::optional<Checkpoint> checkpoint;
+  if (a.resume) {
+    Resumption resumed = resume(run_folder_of(loaded.scene, options), loaded.scene);
+    for (const std::string& words : resumed.words) fmt::print(stderr, "{}\n", words);
+    if (resumed.done) return finished;
+    warnings.insert(warnings.end(), resumed.words.begin(), resumed.words.end());
+    checkpoint = std::move(resumed.from);
+    options.from = checkpoint ? checkpoint->state.get() : nullptr;
+    options.force = true;  // what is there is of this very scene
+  }
   if (loaded.scene.model != Model::mu_I) {
     const SteadyFlow flow = steady_flow(loaded.scene);
-    RunFolder folder(loaded.scene, to_yaml(loaded.scene), {a.out, a.force, a.quiet}, warnings);
+    RunFolder folder(loaded.scene, to_yaml(loaded.scene), options, warnings);
     folder.write(flow);
     folder.finish(flow.summary);
     return finished;
   }
   SignalWatch watch;
   Simulation simulation(loaded.scene);  // before the folder: if memory is short nothing is written
-  begin(simulation);
-  RunFolder folder(loaded.scene, to_yaml(loaded.scene), {a.out, a.force, a.quiet}, warnings);
-  const Summary summary = run_with_extrapolation(simulation, folder, watch, a.quiet);
+  if (!checkpoint) begin(simulation);
+  RunFolder folder(loaded.scene, to_yaml(loaded.scene), options, warnings);
+  if (checkpoint) folder.say(fmt::format("resumed at t = {:.6g}, step {}", checkpoint->t, checkpoint->step));
+  const Summary summary = run_with_extrapolation(simulation, folder, watch, a.quiet, options.from);
   folder.finish(summary);
 
   if (summary.status == Status::finished || summary.status == Status::stopped) return finished;
-  if (summary.status == Status::interrupted && caught_signal) return by_signal + caught_signal;
+  if (caught_signal && summary.reason.starts_with(watch.interrupt())) return by_signal + caught_signal;
   fmt::print(stderr, "{}\n", summary.reason);
   return failed;
 }
@@ -249,8 +281,9 @@ int main(int argc, char** argv) {
   CLI::App* run_command = app.add_subcommand("run", "run a scene; results go to one folder");
   takes_scene(run_command);
   run_command->add_option("--out", a.out, "run folder (default: runs/<name of the scene>)")->type_name("DIR");
-  run_command->add_flag("--resume", a.resume, "continue from the last checkpoint (not in this version)");
-  run_command->add_flag("--force", a.force, "replace an earlier run in the same folder");
+  run_command->add_flag("--resume", a.resume, "go on with the run in the folder, from its last checkpoint");
+  run_command->add_flag("--force", a.force, "replace an earlier run in the same folder")
+      ->excludes("--resume");
   run_command->add_flag("--quiet", a.quiet, "no progress on standard output");
 
   CLI::App* check_command =
@@ -361,6 +394,8 @@ int main(int argc, char** argv) {
                  "a video of each field, <field>.ogv, and its pictures, frames/")
       ->excludes("--time");
 
+  // A reader that has gone and a limit on the size of files are errors like others, told where they happen.
+  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
   CLI::App* pages_command = app.add_subcommand("pages", "write the man page and the completions of shells");
   pages_command->group("");  // for who packages hourglass
   pages_command->add_option("folder", a.out, "folder")->required()->check(CLI::ExistingDirectory);

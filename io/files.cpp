@@ -66,10 +66,17 @@ std::string text_at(const std::filesystem::path& path) {
 }
 
 FolderLock::FolderLock(const std::filesystem::path& folder, const std::string& what) {
-  std::filesystem::create_directories(folder);
+  std::error_code error;
+  if (std::filesystem::is_regular_file(folder, error))
+    throw std::invalid_argument(
+        fmt::format("{}: is a file; choose another folder with --out", folder.string()));
+  std::filesystem::create_directories(folder, error);
+  if (error) throw std::runtime_error(fmt::format("{}: {}", folder.string(), error.message()));
   descriptor_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor_ >= 0 && ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
-  if (descriptor_ >= 0) ::close(descriptor_);
+  if (descriptor_ < 0) fail(folder, errno);
+  // A file system without locks (some network drives) has none to respect.
+  if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  ::close(descriptor_);
   throw std::invalid_argument(
       fmt::format("{}: another {} is at work in it. Wait for its end, or choose another folder with --out.",
                   folder.string(), what));
@@ -88,6 +95,11 @@ void write_atomically(const std::filesystem::path& path, std::string_view bytes)
     throw;
   }
   if (::rename(beside.c_str(), path.c_str()) != 0) fail(path, errno);
+}
+
+void sync_to_disk(const std::filesystem::path& path) {
+  const Descriptor file(path, O_RDONLY | O_CLOEXEC, path);
+  if (::fsync(file) != 0 && errno != EINVAL) fail(path, errno);  // EINVAL: not a thing to bring to a disk
 }
 
 void reserve_write(const std::filesystem::path& path, std::size_t bytes) {

@@ -12,7 +12,7 @@ std::string text_at(const std::filesystem::path& path);
 /// One process at a time works in a folder, which is made if need be. Ends with the process, however that ends.
 class FolderLock {
  public:
-  /// Throws std::invalid_argument if another process has it; `what` it does there ("trade") is for the message.
+  /// Throws std::invalid_argument if the path is a file or another process has the folder; `what` it does there ("trade") is for the message.
   FolderLock(const std::filesystem::path& folder, const std::string& what);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
@@ -24,6 +24,9 @@ class FolderLock {
 
 /// Replaces the file in one go: written beside it, as <path>.new, then renamed over it.
 void write_atomically(const std::filesystem::path& path, std::string_view bytes);
+
+/// Brings a file, or the names in a folder, to the disk: a power cut does not take them back.
+void sync_to_disk(const std::filesystem::path& path);
 
 /// Claims room for a later write_atomically() of up to `bytes`, which then succeeds on a full disk too. Holds an
 /// empty <path>.new until then.

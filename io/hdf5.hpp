@@ -116,7 +116,7 @@ inline Id string_type() {
   return type;
 }
 
-/// No extents: a scalar.
+/// No extents: a scalar. An extent may be 0; HDF5 then wants no data, not even a place for it.
 inline Id space(const std::vector<hsize_t>& extents) {
   return {extents.empty() ? H5Screate(H5S_SCALAR)
                           : H5Screate_simple(static_cast<int>(extents.size()), extents.data(), nullptr),
@@ -129,7 +129,7 @@ inline void write_attribute(hid_t object, const std::string& name, hid_t type, c
   const Id shape = space(extents);
   const Id attribute(H5Acreate2(object, name.c_str(), type, shape, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
                      where);
-  checked(H5Awrite(attribute, type, data), where);
+  if (data) checked(H5Awrite(attribute, type, data), where);
 }
 
 inline void write_attribute(hid_t object, const std::string& name, double value) {
@@ -159,7 +159,7 @@ inline std::vector<double> read_numbers(hid_t object, const std::string& name) {
   const Id attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, where);
   const Id shape(H5Aget_space(attribute), H5Sclose, where);
   std::vector<double> values(checked(H5Sget_simple_extent_npoints(shape), where));
-  checked(H5Aread(attribute, H5T_NATIVE_DOUBLE, values.data()), where);
+  if (!values.empty()) checked(H5Aread(attribute, H5T_NATIVE_DOUBLE, values.data()), where);
   return values;
 }
 inline double read_number(hid_t object, const std::string& name) { return read_numbers(object, name).at(0); }
@@ -170,6 +170,7 @@ inline std::vector<std::string> read_strings(hid_t object, const std::string& na
   const Id shape(H5Aget_space(attribute), H5Sclose, where);
   const Id type = string_type();
   std::vector<char*> texts(checked(H5Sget_simple_extent_npoints(shape), where));
+  if (texts.empty()) return {};
   checked(H5Aread(attribute, type, texts.data()), where);
   std::vector<std::string> values(texts.begin(), texts.end());
   H5Dvlen_reclaim(type, shape, H5P_DEFAULT, texts.data());

@@ -48,33 +48,36 @@ void Progress::show(double fraction_done, const std::string& text) {
   if (quiet_) return;
   shown_ = Clock::now();
   marks_ = std::max(marks_, marks_passed(fraction_done));
+  if (begun_ < 0) begun_ = fraction_done;
   const double elapsed = std::chrono::duration<double>(shown_ - start_).count();
   std::string line = fmt::format("{:3.0f} %  {}", std::floor(100 * fraction_done + 1e-9), text);
-  if (fraction_done > 0 && fraction_done < 1) {
-    line += fmt::format("  {} left", duration_text(elapsed * (1 - fraction_done) / fraction_done));
+  if (fraction_done > begun_ && fraction_done < 1) {
+    line += fmt::format("  {} left", duration_text(elapsed * (1 - fraction_done) / (fraction_done - begun_)));
   }
   if (live_) {
     line.resize(
         std::min<std::size_t>(line.size(), columns_of(out_) - 1));  // a wrapped line would not be overwritten
-    fmt::print(out_, "\r{}\x1b[K", line);
+    put(fmt::format("\r{}\x1b[K", line));
     on_line_ = true;
   } else {
-    fmt::print(out_, "{}\n", line);
+    put(line + '\n');
   }
-  std::fflush(out_);
 }
 
 void Progress::say(const std::string& line) {
   if (quiet_) return;
   end();
-  fmt::print(out_, "{}\n", line);
-  std::fflush(out_);
+  put(line + '\n');
 }
 
 void Progress::end() {
   if (!on_line_) return;
   on_line_ = false;
-  fmt::print(out_, "\n");
+  put("\n");
+}
+
+void Progress::put(const std::string& text) {
+  std::fputs(text.c_str(), out_);
   std::fflush(out_);
 }
 

@@ -24,10 +24,14 @@ class Progress {
   void end();
 
  private:
+  /// A reader that has gone, or a full device, is no reason to end the work.
+  void put(const std::string& text);
+
   using Clock = std::chrono::steady_clock;
   std::FILE* out_;
   bool quiet_, live_;
   bool on_line_ = false;  ///< the cursor stands behind a live line
+  double begun_ = -1;     ///< the fraction shown first: work that goes on begins with more than 0
   int marks_ = 0;         ///< steps of 5 % shown so far, plus one
   Clock::time_point start_ = Clock::now(), shown_{};
 };

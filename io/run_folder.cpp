@@ -10,9 +10,11 @@
 #include <cstdio>
 #include <fstream>
 #include <optional>
+#include <ranges>
 #include <regex>
 #include <stdexcept>
 
+#include "io/checkpoint.hpp"
 #include "io/files.hpp"
 #include "io/json.hpp"
 #include "io/offscreen.hpp"
@@ -21,6 +23,7 @@
 #include "io/render.hpp"
 #include "io/series.hpp"
 #include "io/xdmf.hpp"
+#include "io/yaml_tree.hpp"
 
 namespace hourglass {
 namespace fs = std::filesystem;
@@ -30,17 +33,28 @@ namespace {
 constexpr const char* log_name = "run.log";
 constexpr std::size_t summary_room = 64 << 10;  ///< bytes; a summary takes 2 KiB and its warnings
 constexpr const char* log_mark = "hourglass";   ///< in the first line of every run.log
-constexpr const char* file_names[] = {log_name,      "scene.yaml",    "series.csv",  "fields.h5",
-                                      "fields.xdmf", "checkpoint.h5", "summary.json"};
+constexpr const char* file_names[] = {
+    log_name,      "scene.yaml",    "series.csv",   "fields.h5",
+    "fields.xdmf", checkpoint_name, "summary.json", previous_checkpoint_name};
 
-/// <field>_<four or more digits>.png with a field of ours.
-bool is_picture(const fs::path& path) {
-  static const std::regex pattern("(.+)_[0-9]{4,}[.]png");
+/// Of <field>_<four or more digits>.png with a field of ours; nullopt: it is none.
+std::optional<long> picture_number(const fs::path& path) {
+  static const std::regex pattern("(.+)_([0-9]{4,})[.]png");
   std::smatch match;
   const std::string name = path.filename().string();
-  return std::regex_match(name, match, pattern) &&
-         std::any_of(known_fields().begin(), known_fields().end(),
-                     [&](const FieldInfo& info) { return match[1] == info.name; });
+  const bool ours = std::regex_match(name, match, pattern) &&
+                    std::any_of(known_fields().begin(), known_fields().end(),
+                                [&](const FieldInfo& info) { return match[1] == info.name; });
+  return ours ? std::optional(std::stol(match[2])) : std::nullopt;
+}
+
+std::vector<fs::path> pictures_in(const fs::path& folder, long from = 0) {
+  std::vector<fs::path> found;
+  if (!fs::is_directory(folder)) return found;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.is_regular_file() && picture_number(entry.path()).value_or(-1) >= from)
+      found.push_back(entry.path());
+  return found;
 }
 
 /// What a run wrote, or would write, into this folder. Empty files do not count: they are what a full disk
@@ -60,12 +74,8 @@ std::vector<fs::path> files_of_run(const fs::path& folder) {
     if (fs::path path = folder / fmt::format("{}.ogv", field.name); holds_something(path))
       found.push_back(path);
   }
-  for (const char* pictures : {"snapshots", "pictures", "frames"}) {
-    if (!fs::is_directory(folder / pictures)) continue;
-    for (const auto& entry : fs::directory_iterator(folder / pictures)) {
-      if (entry.is_regular_file() && is_picture(entry.path())) found.push_back(entry.path());
-    }
-  }
+  for (const char* pictures : {"snapshots", "pictures", "frames"})
+    for (fs::path& path : pictures_in(folder / pictures)) found.push_back(std::move(path));
   return found;
 }
 
@@ -75,22 +85,19 @@ bool written_by_run(const fs::path& folder) {
   return std::getline(log, line) && line.find(log_mark) != std::string::npos;
 }
 
-/// Throws std::invalid_argument unless a run may write here.
+[[noreturn]] void refuse(const fs::path& folder, const std::string& why) {
+  throw std::invalid_argument(fmt::format("{}: {}", folder.string(), why));
+}
+
+/// Throws std::invalid_argument unless a run may begin here.
 void make_way(const fs::path& folder, bool force) {
-  if (!fs::exists(folder)) return;
-  const auto refuse = [&](const std::string& why) {
-    throw std::invalid_argument(fmt::format("{}: {}", folder.string(), why));
-  };
-  if (!fs::is_directory(folder)) refuse("is a file; choose another folder with --out");
-  const std::vector<fs::path> found = files_of_run(folder);
-  if (found.empty()) return;
-  if (!written_by_run(folder)) {
-    refuse(fmt::format("holds {}, not written by a run of hourglass; choose another folder with --out",
-                       found.front().filename().string()));
-  }
+  if (!holds_run(folder)) return;
   if (!force)
-    refuse("holds a run already; choose another folder with --out, or replace the run with --force");
-  for (const fs::path& path : found) fs::remove(path);
+    refuse(folder,
+           "holds a run already; go on with it with --resume, replace it with --force, or choose another "
+           "folder with --out");
+  // The log last: it shows that the rest is ours, should the program be killed on the way.
+  for (const fs::path& path : files_of_run(folder) | std::views::reverse) fs::remove(path);
 }
 
 long peak_memory_bytes() {
@@ -162,10 +169,10 @@ std::string text_of(const Extrapolation& e) {
       e.quasi_static_error_bar, e.discharge_rates.back());
 }
 
-std::shared_ptr<spdlog::logger> open_log(const fs::path& path) {
+std::shared_ptr<spdlog::logger> open_log(const fs::path& path, bool anew) {
   try {
     auto log = std::make_shared<spdlog::logger>(
-        "run", std::make_shared<spdlog::sinks::basic_file_sink_st>(path, true));
+        "run", std::make_shared<spdlog::sinks::basic_file_sink_st>(path, anew));
     log->set_pattern("%Y-%m-%d %H:%M:%S %v");
     log->flush_on(spdlog::level::info);
     log->set_error_handler([](const std::string&) {});  // a full disk is told by the other files
@@ -186,17 +193,42 @@ fs::path default_run_folder(const std::string& scene_name) {
   return fs::path("runs") / name;
 }
 
+fs::path run_folder_of(const Scene& scene, const RunOptions& options) {
+  return options.out.empty() ? default_run_folder(scene.name) : options.out;
+}
+
+bool holds_run(const fs::path& folder) {
+  if (!fs::exists(folder)) return false;
+  if (!fs::is_directory(folder)) refuse(folder, "is a file; choose another folder with --out");
+  const std::vector<fs::path> found = files_of_run(folder);
+  if (!found.empty() && !written_by_run(folder))
+    refuse(folder,
+           fmt::format("holds {}, not written by a run of hourglass; choose another folder with --out",
+                       found.front().filename().string()));
+  return !found.empty();
+}
+
+std::string status_of_run(const fs::path& folder) {
+  const std::string text = text_at(folder / "summary.json");
+  if (text.empty()) return {};
+  const YamlNode summary = parse_yaml(text);  // JSON is YAML
+  const YamlNode* status = summary.find("status");
+  return status ? status->text : "";
+}
+
 struct RunFolder::Impl {
   Impl(const Scene& scene, const std::string& resolved_yaml, const RunOptions& options,
        const std::vector<std::string>& warnings)
-      : path(options.out.empty() ? default_run_folder(scene.name) : options.out), info(info_of(scene)),
-        model(scene.model), draws(scene.output.snapshots_every > 0), stored(stored_fields(scene)),
-        drawn(asked_fields(scene)), progress(options.quiet) {
-    make_way(path, options.force);
-    std::error_code error;
-    fs::create_directories(path, error);
-    if (error) throw std::runtime_error(fmt::format("{}: {}", path.string(), error.message()));
-    log = open_log(path / log_name);
+      : path(run_folder_of(scene, options)), lock(path, "run"), info(info_of(scene)), model(scene.model),
+        draws(scene.output.snapshots_every > 0), stored(stored_fields(scene)), drawn(asked_fields(scene)),
+        progress(options.quiet),
+        checkpoint_pause(std::chrono::duration_cast<Clock::duration>(
+            std::chrono::duration<double, std::ratio<60>>(scene.output.checkpoint_minutes))) {
+    if (options.from)
+      go_back_to(*options.from, scene);
+    else
+      make_way(path, options.force);
+    log = open_log(path / log_name, !options.from);
     reserve_write(path / "summary.json", summary_room);
     const Provenance p = provenance(scene.threads);
     log->info("{} {}, revision {}: scene '{}'", log_mark, p.version, p.revision, scene.name);
@@ -206,33 +238,70 @@ struct RunFolder::Impl {
               unit_text("L", info.units));
     for (const std::string& warning : warnings) log->info("{}", warning);
     write_atomically(path / "scene.yaml", resolved_yaml);
-    series.emplace(path / "series.csv", scene);
-    if (scene.output.fields_every > 0) frames.emplace(path, info, scene.output.compression);
+    if (!options.from) {
+      series.emplace(series_path(), scene);
+      if (scene.output.fields_every > 0) frames.emplace(path, info, scene.output.compression);
+    }
+    next_checkpoint = Clock::now() + checkpoint_pause;
+  }
+
+  fs::path series_path() const { return path / "series.csv"; }
+
+  /// What a checkpoint holds of the folder.
+  void walk(Archive& archive) {
+    archive.group("folder", [&] {
+      if (!archive.restoring()) series_bytes = fs::file_size(series_path());
+      archive.number("series_bytes", series_bytes);
+      int stored_frames = frames ? frames->frames() : 0;
+      archive.number("frames", stored_frames);
+      if (archive.restoring()) frames_before = stored_frames;
+      archive.number("snapshots", snapshots);
+      archive.texts("warnings", own_warnings);
+    });
+  }
+
+  /// Leaves in the folder what was there when the checkpoint was written.
+  void go_back_to(Archive& checkpoint, const Scene& scene) {
+    walk(checkpoint);
+    if (!fs::exists(series_path()) || fs::file_size(series_path()) < series_bytes)
+      refuse(path, "series.csv is shorter than when the checkpoint was written; run again with --force");
+    if (scene.output.fields_every > 0)
+      frames.emplace(path, info, stored, frames_before, scene.output.compression);
+    fs::resize_file(series_path(), series_bytes);
+    series.emplace(series_path());
+    for (const fs::path& picture : pictures_in(path / "snapshots", snapshots)) fs::remove(picture);
+    fs::remove(path / "summary.json");
   }
 
   void warn(const std::string& warning) {
     log->info("warning: {}", warning);
     progress.end();
-    fmt::print(stderr, "warning: {}\n", warning);
+    std::fputs(fmt::format("warning: {}\n", warning).c_str(), stderr);  // nobody may be reading it
   }
 
   /// A picture of each field; none, with a warning, where there is no OpenGL.
   void draw(const Frame& frame) {
     try {
-      fs::create_directories(path / "snapshots");
+      std::error_code error;
+      fs::create_directories(path / "snapshots", error);
+      if (error)
+        throw std::runtime_error(fmt::format("{}: {}", (path / "snapshots").string(), error.message()));
       for (const std::string& field : drawn)
         render_png(picture_of(field, frame, info), snapshot_path(path, field, snapshots));
       ++snapshots;
     } catch (const NoGraphics& error) {
       can_draw = false;
-      fs::remove(path / "snapshots");
-      own_warnings.push_back(
-          fmt::format("no snapshots: {}. Draw them later with 'hourglass render'.", error.what()));
-      warn(own_warnings.back());
+      if (fs::is_empty(path / "snapshots")) fs::remove(path / "snapshots");
+      const std::string words =
+          fmt::format("no snapshots: {}. Draw them later with 'hourglass render'.", error.what());
+      if (std::ranges::find(own_warnings, words) != own_warnings.end()) return;  // said before a break
+      own_warnings.push_back(words);
+      warn(words);
     }
   }
 
   const fs::path path;
+  const FolderLock lock;
   const RunInfo info;
   const Model model;
   const bool draws;
@@ -243,11 +312,16 @@ struct RunFolder::Impl {
   std::vector<std::string> own_warnings;
   bool can_draw = true;
   int snapshots = 0;
+  std::uintmax_t series_bytes = 0;  ///< at the checkpoint
+  int frames_before = 0;            ///< the same
 
   Progress progress;
   Clock::time_point shown = Clock::now();
   Clock::duration writing{};  ///< since then, which is no part of steps/s
-  long shown_step = 0;
+  long shown_step = -1;       ///< none yet
+
+  const Clock::duration checkpoint_pause;
+  Clock::time_point next_checkpoint;
 };
 
 RunFolder::RunFolder(const Scene& scene, const std::string& resolved_yaml, const RunOptions& options,
@@ -294,6 +368,7 @@ void RunFolder::write(const SteadyFlow& flow) {
 void RunFolder::on_step(const StepReport& report, double fraction_done) {
   if (!impl_->progress.due(fraction_done)) return;
   const auto now = Clock::now();
+  if (impl_->shown_step < 0) impl_->shown_step = report.step - 1;
   const double seconds = std::chrono::duration<double>(now - impl_->shown - impl_->writing).count();
   impl_->progress.show(
       fraction_done, fmt::format("t {:.4g}  dt {:.3g}  {:.3g} steps/s  iterations {}+{}", report.t, report.dt,
@@ -302,6 +377,23 @@ void RunFolder::on_step(const StepReport& report, double fraction_done) {
   impl_->shown = now;
   impl_->writing = {};
   impl_->shown_step = report.step;
+}
+
+bool RunFolder::wants_checkpoint() {
+  return impl_->checkpoint_pause.count() > 0 && Clock::now() >= impl_->next_checkpoint;
+}
+
+void RunFolder::on_checkpoint(const Simulation& simulation, const Walk& walk) {
+  // Nothing that the checkpoint counts on may be younger on the disk than it.
+  sync_to_disk(impl_->series_path());
+  if (impl_->frames) sync_to_disk(impl_->path / "fields.h5");
+  write_checkpoint(impl_->path, simulation.scene(), simulation.t(), simulation.steps(),
+                   [&](Archive& archive) {
+                     walk(archive);
+                     impl_->walk(archive);
+                   });
+  impl_->log->info("checkpoint: t {:.6g}  step {}", simulation.t(), simulation.steps());
+  impl_->next_checkpoint = Clock::now() + impl_->checkpoint_pause;
 }
 
 void RunFolder::on_warning(const std::string& warning) { impl_->warn(warning); }

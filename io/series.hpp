@@ -20,6 +20,8 @@ class SeriesFile {
   SeriesFile(const std::filesystem::path& path, const Scene& scene) : file_(path) {
     file_.append(series_header(scene) + '\n');
   }
+  /// One that is there: goes on behind its last row.
+  explicit SeriesFile(const std::filesystem::path& path) : file_(path, AppendFile::Start::at_end) {}
   void write(const SeriesRow& row) { file_.append(series_text(row) + '\n'); }
 
  private:

@@ -120,7 +120,8 @@ std::string xdmf_attribute(const std::string& frame, const std::string& name, co
       components > 1 ? fmt::format(" {}", components) : "", frame);
 }
 
-std::string xdmf_grid(const std::string& frame, const RunInfo& info, const Frame& data) {
+std::string xdmf_grid(const std::string& frame, const RunInfo& info, double t,
+                      const std::vector<std::string>& fields) {
   const Patch& p = info.patch;
   std::string out = fmt::format(  // z, y, x: slowest index first
       "      <Grid Name=\"{0}\" GridType=\"Uniform\">\n"
@@ -132,8 +133,8 @@ std::string xdmf_grid(const std::string& frame, const RunInfo& info, const Frame
       "          <DataItem Format=\"XML\" NumberType=\"Float\" Precision=\"8\" Dimensions=\"3\">{7} {7} "
       "{7}</DataItem>\n"
       "        </Geometry>\n",
-      xml(info.name), data.t, p.ny + 1, p.nx + 1, -p.h / 2, p.y0, p.x0, p.h);
-  for (const auto& [name, values] : data.fields) out += xdmf_attribute(frame, name, p, 1);
+      xml(info.name), t, p.ny + 1, p.nx + 1, -p.h / 2, p.y0, p.x0, p.h);
+  for (const std::string& name : fields) out += xdmf_attribute(frame, name, p, 1);
   out += xdmf_attribute(frame, "velocity", p, 3);
   return out + "      </Grid>\n";
 }
@@ -172,12 +173,41 @@ FieldWriter::FieldWriter(const std::filesystem::path& folder, const RunInfo& inf
   }
 }
 
+FieldWriter::FieldWriter(const std::filesystem::path& folder, const RunInfo& info,
+                         const std::vector<std::string>& fields, int frames, int deflate)
+    : h5_(folder / "fields.h5"), xdmf_(folder / "fields.xdmf"), info_(info), deflate_(deflate),
+      frames_(frames) {
+  try {
+    h5::Id file = h5::open(h5_, H5F_ACC_RDWR);
+    {
+      const h5::Id all = h5::group(file, "frames");
+      const int stored = static_cast<int>(h5::member_count(all));
+      if (stored < frames)
+        throw std::runtime_error(fmt::format("holds {} frames, and must hold {}", stored, frames));
+      for (int k = stored - 1; k >= frames; --k)
+        h5::checked(H5Ldelete(all, member_name(k).c_str(), H5P_DEFAULT), "frame " + member_name(k));
+      for (int k = 0; k < frames; ++k) {
+        const std::string name = member_name(k);
+        grids_ += xdmf_grid(name, info_, h5::read_number(h5::group(all, name), "time"), fields);
+      }
+    }
+    file.close("close");
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format("{}: {}", h5_.string(), error.what()));
+  }
+  write_xdmf();
+}
+
 void FieldWriter::write(const Frame& frame) {
   const std::string name = member_name(frames_);
   const std::size_t sets = frame.fields.size() + 1, components = frame.fields.size() + 3;
   // Raw data and, generously, what HDF5 writes about each dataset.
-  reserve_room(h5_, info_.patch.cells() * components * sizeof(float) + (sets + 4) * 8192);
+  const std::size_t room = info_.patch.cells() * components * sizeof(float) + (sets + 4) * 8192;
+  reserve_room(h5_, room);
   try {
+    // HDF5 writes the new length into the file before the file has it, and opens none that is shorter than it says. Longer
+    // is no matter: closing cuts off what is too much.
+    std::filesystem::resize_file(h5_, std::filesystem::file_size(h5_) + room);
     h5::Id file = h5::open(h5_, H5F_ACC_RDWR);
     const h5::Id group = h5::create_nameless_group(file);
     h5::write_attribute(group, "time", frame.t);
@@ -195,7 +225,9 @@ void FieldWriter::write(const Frame& frame) {
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(fmt::format("{}: frame {}: {}", h5_.string(), name, error.what()));
   }
-  grids_ += xdmf_grid(name, info_, frame);
+  std::vector<std::string> fields;
+  for (const auto& [field, values] : frame.fields) fields.push_back(field);
+  grids_ += xdmf_grid(name, info_, frame.t, fields);
   write_xdmf();
   ++frames_;
 }

@@ -27,7 +27,12 @@ class FieldWriter {
  public:
   /// Makes `folder`/fields.h5 anew. deflate: compression level 0 (none) to 9.
   FieldWriter(const std::filesystem::path& folder, const RunInfo& info, int deflate = 0);
+  /// Goes on behind the first `frames` frames of `folder`/fields.h5, of these fields; later ones go. Throws
+  /// std::runtime_error if there are fewer.
+  FieldWriter(const std::filesystem::path& folder, const RunInfo& info,
+              const std::vector<std::string>& fields, int frames, int deflate = 0);
   void write(const Frame& frame);
+  int frames() const { return frames_; }  ///< written so far
 
  private:
   void write_xdmf() const;

@@ -88,13 +88,20 @@ class FlushDenormals {
 #endif
 };
 
+/// One machine code of a body for any number of threads: inlined in two places it may round differently, where the
+/// compiler makes one product and sum a fused one and not the other.
+template <class Body>
+[[gnu::noinline, gnu::noclone]] void run_member(Body& body, Team& team) {
+  body(team);
+}
+
 /// Runs body(Team&) on `threads` threads and returns when all are done. The body must not throw.
 template <class Body>
 void parallel(int threads, Body&& body) {
   if (threads <= 1) {
     const FlushDenormals flush;
     Team alone;
-    body(alone);
+    run_member(body, alone);
     return;
   }
 #if defined(__SANITIZE_THREAD__)  // which sees the fork and join of std::thread, but not those of libgomp
@@ -102,7 +109,7 @@ void parallel(int threads, Body&& body) {
   const auto member = [&](int rank) {
     const FlushDenormals flush;
     Team team(rank, threads, &barrier);
-    body(team);
+    run_member(body, team);
   };
   std::vector<std::jthread> others;
   for (int rank = 1; rank < threads; ++rank) others.emplace_back(member, rank);
@@ -116,7 +123,7 @@ void parallel(int threads, Body&& body) {
     barrier.emplace(size);
     const FlushDenormals flush;
     Team team(omp_get_thread_num(), size, &*barrier);
-    body(team);
+    run_member(body, team);
   }
 #endif
 }

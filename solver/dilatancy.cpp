@@ -1,5 +1,7 @@
 #include "solver/dilatancy.hpp"
 
+#include <fmt/format.h>
+
 #include "kernels/boundary.hpp"
 
 namespace hourglass {
@@ -127,6 +129,11 @@ void DilatancyStage::set_row(const Fields& fields, int j, const double* __restri
     softness[i] =
         static_cast<double>(phi_g[i] > 0) * room * std::abs(S[i]) / (std::max(reach, least) + tension);
   }
+}
+
+void DilatancyStage::walk(Archive& archive) {
+  if (mode_ != DilatancyMode::weight) return;
+  for (std::size_t k = 0; k < ratio_.size(); ++k) archive.field(fmt::format("packing_{}", k), ratio_[k]);
 }
 
 std::size_t DilatancyStage::bytes() const {

@@ -7,6 +7,7 @@
 //   relax:  S = K |γ̇| (phi - phi(I))  (Pailha & Pouliquen 2009, JFM 633:115);  both bounded by |S| <= |γ̇|, and S <= mu |γ̇|:
 //   dilating against P takes its work from the shear stress, (mu |γ̇| - S) P >= 0.
 // `weight`: the thesis's way, phi(I) weighs in the density alone; its mass is not conserved.
+#include "solver/archive.hpp"
 #include "solver/grain_properties.hpp"
 #include "solver/vof.hpp"
 
@@ -30,6 +31,8 @@ class DilatancyStage {
   const CellField* divergence() const { return divergence_.allocated() ? &divergence_ : nullptr; }
   /// What was carried through the faces at the packing phi_max [cell areas]; by phase.
   PhaseFlux flux() const { return {flux_x_, flux_y_}; }
+  /// What the next step takes over from the last: in mode weight phi(I).
+  void walk(Archive& archive);
   std::size_t bytes() const;
 
  private:

@@ -1,6 +1,7 @@
 #pragma once
 // Everything that evolves from step to step; allocated once.
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "kernels/geometry.hpp"
@@ -24,6 +25,18 @@ struct Fields : Velocity {
     if (nonlocal) fluidity = CellField(patch);
   }
 };
+
+/// Every field, by its name.
+template <class Visitor>
+void each_field(Fields& f, Visitor&& visit) {
+  visit("u", f.u);
+  visit("v", f.v);
+  visit("p", f.p);
+  visit("grains", f.grains);
+  for (std::size_t k = 0; k < f.tracers.size(); ++k) visit("tracer_" + std::to_string(k + 1), f.tracers[k]);
+  for (std::size_t k = 0; k < f.solid.size(); ++k) visit("solid_" + std::to_string(k), f.solid[k]);
+  if (f.fluidity.allocated()) visit("fluidity", f.fluidity);
+}
 
 /// At a cell's centre [L/T].
 inline double cell_speed(const Fields& f, int i, int j) {

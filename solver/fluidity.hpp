@@ -4,6 +4,7 @@
 
 #include "kernels/fluidity.hpp"
 #include "kernels/geometry.hpp"
+#include "solver/archive.hpp"
 #include "solver/grain_properties.hpp"
 #include "solver/krylov.hpp"
 #include "solver/levels.hpp"
@@ -19,6 +20,8 @@ class FluidityStage {
                        const double* I, const double* mu, GrainProperties::Rows& properties) = 0;
   /// fields.fluidity, in [P/eta_max, ...] where there are grains, else 0. Rows must be set and synced; synced on return.
   virtual SolveStats solve(Team& team, Fields& fields) = 0;
+  /// Besides fields.fluidity, what the next solve takes over from the last.
+  virtual void walk(Archive& archive) = 0;
   virtual std::size_t bytes() const = 0;
 };
 
@@ -85,6 +88,8 @@ class Fluidity final : public FluidityStage {
     team.sync();
     return stats;
   }
+
+  void walk(Archive& archive) override { archive.number("fluidity_started", started_); }
 
   std::size_t bytes() const override {
     return multigrid_.bytes() + krylov_.bytes() + source_.bytes() + least_.bytes();

@@ -3,6 +3,7 @@
 // neighbours (Chorin 1968; incremental: Goda 1979). β = 1/ρ on faces at n+1, 2/ρ on open boundary faces, 0 on
 // walls.
 #include "kernels/geometry.hpp"
+#include "solver/archive.hpp"
 #include "solver/free_surface.hpp"
 #include "solver/krylov.hpp"
 #include "solver/levels.hpp"
@@ -49,6 +50,9 @@ class Projection {
   /// max |div w| dt. Every member returns the same.
   double max_divergence(Team& team, const Velocity& w, double dt);
 
+  /// What the next solve takes over from the last.
+  void walk(Archive& archive) { archive.field("warm_start", q_); }
+
   std::size_t bytes() const { return multigrid_.bytes() + krylov_.bytes() + q_.bytes() + rhs_.bytes(); }
 
  private:
@@ -62,7 +66,7 @@ class Projection {
   const FreeSurface* surface_;
   Multigrid<PoissonLevel<T>> multigrid_;
   Krylov<PoissonLevel<T>> krylov_;
-  CellField q_;  ///< δp Δt / h of the last solve, the guess of the next: a restart must keep it
+  CellField q_;  ///< δp Δt / h of the last solve, the guess of the next
   CellField rhs_;
   RowSums largest_, speed_;
 };

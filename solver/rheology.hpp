@@ -6,6 +6,7 @@
 #include "kernels/geometry.hpp"
 #include "kernels/rheology.hpp"
 #include "kernels/strain_rate.hpp"
+#include "solver/archive.hpp"
 #include "solver/dilatancy.hpp"
 #include "solver/fluidity.hpp"
 #include "solver/grain_properties.hpp"
@@ -36,6 +37,10 @@ class RheologyStage {
   /// F P c, force of the front and back walls on the grains [M/(L T^2)]; not allocated without physics.wall_friction.
   const CellField& wall_force() const { return wall_force_; }
   const GrainProperties& properties() const { return properties_; }
+  /// What the last update leaves to be shown.
+  void walk(Archive& archive) {
+    if (gamma2_.allocated()) archive.field("shear_rate_squared", gamma2_);
+  }
   std::size_t bytes() const {
     return gamma2_.bytes() + weighted_.bytes() + weight_.bytes() + wall_force_.bytes();
   }

@@ -44,6 +44,11 @@ class Cadence {
   double snapped(double t) const { return std::abs(t - next_) < 1e-12 * next_ ? next_ : t; }
   /// Whether the end of the run at t still has to be shown.
   bool owes(double t) const { return interval_ > 0 && last_ < t; }
+  void walk(Archive& archive) {
+    archive.number("next", next_);
+    archive.number("last", last_);
+    archive.number("count", count_);
+  }
 
  private:
   double interval_, next_ = 0, last_ = -1;
@@ -59,12 +64,16 @@ constexpr long most_back_offs = 100;
 
 class Run {
  public:
-  Run(Simulation& simulation, Simulation::Impl& state, const std::vector<Observer*>& observers)
+  Run(Simulation& simulation, Simulation::Impl& state, const std::vector<Observer*>& observers, Archive* from)
       : simulation_(simulation), s_(state), scene_(state.scene), observers_(observers),
         series_(scene_.output.series_every), frames_(scene_.output.fields_every),
         pictures_(scene_.output.snapshots_every), initial_mass_(simulation.grain_mass()),
         mass_(initial_mass_), settle_(start_up_time(scene_)), watchdog_(state, initial_mass_) {
     mass_over_time_.push_back({s_.t, unfed_mass()});
+    if (from)
+      walk(*from);
+    else
+      report_.t = s_.t;
   }
 
   Summary to_end() {
@@ -82,42 +91,140 @@ class Run {
   /// What would be left without the feed: its slope is the discharge.
   double unfed_mass() const { return mass_ - s_.fed_mass; }
   void steps() {
-    StepReport report;
-    report.t = s_.t;
-    tell(report);
+    if (!began_) tell();
+    began_ = true;
     while (!finished()) {
       const auto start = Clock::now();
       keep();
-      const Trouble trouble = step(report);
+      const Trouble trouble = step();
       stepping_ += seconds_since(start);
       const auto after = Clock::now();
       if (trouble && back_off(trouble)) continue;
-      if (trouble && !accept(trouble, report)) break;
+      if (trouble && !accept(trouble)) break;
       mass_ = simulation_.grain_mass();
       mass_over_time_.push_back({s_.t, unfed_mass()});
-      summary_.worst_max_divergence = std::max(summary_.worst_max_divergence, report.max_divergence);
+      summary_.worst_max_divergence = std::max(summary_.worst_max_divergence, report_.max_divergence);
       watch_orifices();
-      tell(report);
+      tell();
       watch_stops();
+      bool store = false;
       for (Observer* o : observers_) {
-        o->on_step(report, fraction_done());
-        if (const std::string reason = o->interrupt(); !reason.empty()) end(Status::interrupted, reason);
+        o->on_step(report_, fraction_done());
+        store = o->wants_checkpoint() || store;
+        if (const std::string reason = o->interrupt(); !reason.empty() && !ended_)
+          end(Status::interrupted, reason);
       }
       outside_ += seconds_since(after);
+      if (store && !ended_) checkpoint();
     }
-    if (not_finite(s_.fields).empty()) tell_end(report);
+    if (summary_.status == Status::interrupted) checkpoint();
+    if (summary_.status == Status::finished || summary_.status == Status::stopped) checkpoint_end();
+    if (not_finite(s_.fields).empty()) tell_end();
   }
-  /// One step, and what is wrong with it.
-  Trouble step(StepReport& report) {
+
+  /// Every member that lasts from step to step; what is not here follows from the scene. That a run was interrupted, or at
+  /// its time.end, is no part of the state: it goes on as if it had not ended.
+  void walk(Archive& archive) {
+    archive.number("rung", rung_);
+    if (archive.restoring()) s_.take_care(rung_);
+    s_.walk(archive);
+    archive.group("run", [&] {
+      archive.number("began", began_);
+      bool stopped = summary_.status == Status::stopped;
+      std::vector<std::string> reason{summary_.reason};
+      archive.number("stopped", stopped);
+      archive.texts("reason", reason);
+      if (archive.restoring() && stopped) end(Status::stopped, reason.at(0));
+      archive.group("series", [&] { series_.walk(archive); });
+      archive.group("frames", [&] { frames_.walk(archive); });
+      archive.group("pictures", [&] { pictures_.walk(archive); });
+      archive.number("initial_mass", initial_mass_);
+      archive.number("mass", mass_);
+      archive.history("mass_over_time", mass_over_time_);
+      walk_slow_grains(archive);
+      archive.number("row_t", last_.step.t);
+      archive.numbers("row_orifices", last_.orifice_outflow);
+      archive.numbers("row_materials", last_.material_outflow);
+      archive.number("row_fed", last_.fed);
+      archive.number("worst_max_divergence", summary_.worst_max_divergence);
+      archive.number("missed_tolerances", summary_.missed_tolerances);
+      archive.number("back_offs", summary_.back_offs);
+      archive.texts("warnings", summary_.warnings);
+      archive.number("watched_orifices", watched_orifices_);
+      archive.group("watchdog", [&] { watchdog_.walk(archive); });
+      archive.number("rung_since", rung_since_);
+      archive.number("patience", patience_);
+      archive.number("told", told_);
+      archive.number("resigned", resigned_);
+      archive.number("kept_samples", kept_samples_);
+      archive.number("misses_in_a_row", misses_in_a_row_);
+      archive.number("last_miss", last_miss_);
+      archive.number("stepping", stepping_);
+      archive.number("outside", outside_);
+      double wall = wall_seconds();
+      archive.number("wall_seconds", wall);
+      if (archive.restoring()) wall_before_ = wall;
+      archive.group("step", [&] { walk_report(archive); });
+    });
+  }
+  void walk_slow_grains(Archive& archive) {
+    std::vector<std::array<double, 5>> rows;
+    for (const auto& [t, s] : slow_)
+      rows.push_back({t, s.quasi_static_fraction, s.quasi_static_1e2, s.quasi_static_1e4,
+                      s.quasi_static_above_flat_top.value_or(-1)});
+    archive.history("slow_grains", rows);
+    slow_.clear();
+    for (const auto& [t, usual, faster, slower, above] : rows)
+      slow_.emplace_back(t,
+                         SlowGrains{usual, faster, slower, above < 0 ? std::nullopt : std::optional(above)});
+  }
+  void walk_report(Archive& archive) {
+    archive.number("step", report_.step);
+    archive.number("t", report_.t);
+    archive.number("dt", report_.dt);
+    int limit = static_cast<int>(report_.limit);
+    archive.number("limit", limit);
+    report_.limit = static_cast<DtLimit>(limit);
+    for (auto& [name, solve] : {std::pair{"pressure", &report_.pressure},
+                                {"viscous", &report_.viscous},
+                                {"fluidity", &report_.fluidity}})
+      archive.group(name, [&] {
+        archive.number("iterations", solve->iterations);
+        archive.number("initial", solve->initial);
+        archive.number("final", solve->final);
+        archive.number("tolerance", solve->tolerance);
+        archive.number("converged", solve->converged);
+      });
+    archive.number("max_divergence", report_.max_divergence);
+    archive.number("max_speed", report_.max_speed);
+    archive.number("capped_cells", report_.capped_cells);
+    archive.number("floored_cells", report_.floored_cells);
+  }
+  void checkpoint() {
+    const auto start = Clock::now();
+    for (Observer* o : observers_) o->on_checkpoint(simulation_, [this](Archive& archive) { walk(archive); });
+    outside_ += seconds_since(start);
+  }
+  /// Of a run that has all that was asked for, whether it can be continued or not.
+  void checkpoint_end() {
     try {
-      report = simulation_.step(scene_.time.end > 0 ? scene_.time.end : 1e300);
-      if (report.limit != DtLimit::end)
+      checkpoint();
+    } catch (const std::runtime_error& error) {
+      warn(fmt::format("no checkpoint at the end: {}", error.what()));
+    }
+  }
+
+  /// One step, and what is wrong with it.
+  Trouble step() {
+    try {
+      report_ = simulation_.step(scene_.time.end > 0 ? scene_.time.end : 1e300);
+      if (report_.limit != DtLimit::end)
         for (const Cadence* cadence : {&series_, &frames_, &pictures_}) s_.t = cadence->snapped(s_.t);
-      report.t = s_.t;
+      report_.t = s_.t;
     } catch (const std::runtime_error& error) {
       return {fmt::format("{} at t = {:.6g} (step {})", error.what(), s_.t, s_.steps), true};
     }
-    Trouble trouble = watchdog_.of_step(report);
+    Trouble trouble = watchdog_.of_step(report_);
     if (s_.steps % Watchdog::look_every == 0 && !trouble.hopeless) {
       if (Trouble lost = watchdog_.of_state()) return lost;
       for (const std::string& doubt : watchdog_.doubts()) warn(doubt);
@@ -167,7 +274,7 @@ class Run {
   }
 
   /// Whether the run can go on all the same. If not, its last good state is what is left of it, and to be told.
-  bool accept(const Trouble& trouble, StepReport& report) {
+  bool accept(const Trouble& trouble) {
     ++summary_.missed_tolerances;
     if (summary_.missed_tolerances <= 20) warn(trouble.what);
     misses_in_a_row_ = s_.steps == last_miss_ + 1 ? misses_in_a_row_ + 1 : 1;
@@ -177,8 +284,8 @@ class Run {
         trouble.hopeless ? trouble.what : "20 steps in a row missed a tolerance; the last: " + trouble.what);
     if (s_.backup) {
       s_.go_back();
-      report.t = s_.t;
-      report.step = s_.steps;
+      report_.t = s_.t;
+      report_.step = s_.steps;
     }
     return false;
   }
@@ -236,6 +343,7 @@ class Run {
     }
   }
 
+  double wall_seconds() const { return wall_before_ + seconds_since(clock_); }
   double fraction_done() const {
     double done = scene_.time.end > 0 ? s_.t / scene_.time.end : 0;
     if (scene_.time.max_steps > 0)
@@ -245,25 +353,25 @@ class Run {
     return std::min(done, 1.0);
   }
 
-  void tell(const StepReport& report) {
+  void tell() {
     const bool series = series_.due(s_.t), frame = frames_.due(s_.t), picture = pictures_.due(s_.t);
     told_ = told_ || series || frame || picture;
-    if (series) tell_series(report);
+    if (series) tell_series();
     for (Observer* o : observers_) {
       if (frame) o->on_fields(simulation_);
       if (picture) o->on_snapshot(simulation_);
     }
   }
-  void tell_end(const StepReport& report) {
-    if (series_.owes(s_.t)) tell_series(report);
+  void tell_end() {
+    if (series_.owes(s_.t)) tell_series();
     if (frames_.owes(s_.t))
       for (Observer* o : observers_) o->on_fields(simulation_);
     if (pictures_.owes(s_.t))
       for (Observer* o : observers_) o->on_snapshot(simulation_);
   }
   /// Outflows of a row are means since the row before.
-  void tell_series(const StepReport& report) {
-    SeriesRow row = s_.row(report);
+  void tell_series() {
+    SeriesRow row = s_.row(report_);
     const SeriesRow totals = row;
     const double interval = s_.t - last_.step.t;
     const auto rate = [&](std::vector<double>& now, const std::vector<double>& before) {
@@ -274,7 +382,7 @@ class Run {
     rate(row.material_outflow, last_.material_outflow);
     if (row.fed) row.fed = interval > 0 ? (*row.fed - last_.fed.value_or(0)) / interval : 0;
     for (double q : row.orifice_outflow) row.outflow += q;
-    row.wall_seconds = seconds_since(clock_);
+    row.wall_seconds = wall_seconds();
     slow_.emplace_back(s_.t, row);
     for (Observer* o : observers_) o->on_series(row);
     last_ = totals;
@@ -326,14 +434,15 @@ class Run {
   const Scene& scene_;
   const std::vector<Observer*>& observers_;
   Cadence series_, frames_, pictures_;
-  const double initial_mass_;
+  double initial_mass_;
   double mass_;
   const double settle_;  // when the discharge counts as developed
   History mass_over_time_;
   std::vector<std::pair<double, SlowGrains>> slow_;  // by row
   SeriesRow last_;                                   // its outflows are totals
   Summary summary_;
-  bool ended_ = false, watched_orifices_ = false;
+  StepReport report_;  // of the last step
+  bool began_ = false, ended_ = false, watched_orifices_ = false;
   Watchdog watchdog_;
   int rung_ = 0;                        // of the ladder of back_off()
   long rung_since_ = 0, patience_ = 1;  // the latter grows with every back-off
@@ -343,12 +452,13 @@ class Run {
   long misses_in_a_row_ = 0, last_miss_ = -1;
   double stepping_ = 0, outside_ = 0;  // seconds
   const Clock::time_point clock_ = Clock::now();
+  double wall_before_ = 0;  // seconds, of the parts of the run before this one
 };
 
 }  // namespace
 
-Summary Simulation::run(const std::vector<Observer*>& observers) {
-  return Run(*this, *impl_, observers).to_end();
+Summary Simulation::run(const std::vector<Observer*>& observers, Archive* from) {
+  return Run(*this, *impl_, observers, from).to_end();
 }
 
 }  // namespace hourglass

@@ -471,6 +471,9 @@ void check_output(const Scene& s, Problems& p) {
             "0 stores no fields.");
   p.require(s.output.snapshots_every >= 0, "output.snapshots_every", s.output.snapshots_every, ">= 0",
             "0 draws no pictures.");
+  const double minutes = s.output.checkpoint_minutes;
+  p.require(minutes >= 0 && minutes <= 1e6, "output.checkpoint_minutes", minutes, "0 to 1e6",
+            "0 writes a checkpoint only where the run ends or a signal stops it.");
   p.require(s.output.compression >= 0 && s.output.compression <= 9, "output.compression",
             s.output.compression, "0 to 9", "0 does not compress.");
   std::string known;

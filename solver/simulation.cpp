@@ -135,6 +135,35 @@ void Simulation::Impl::go_back() {
   stepper->forget();
 }
 
+/// All that the next step and the next going back depend on, but for the rung (take_care), which comes first.
+void Simulation::Impl::walk(Archive& archive) {
+  const auto walk_fields = [&](Fields& all) {
+    each_field(all, [&](const std::string& name, auto& field) { archive.field(name, field); });
+  };
+  double height = solved.height;
+  archive.number("height", height);
+  if (height != solved.height) set_height(height);
+  Tally::walk(archive);
+  archive.number("dt_most", dt_most);
+  walk_fields(fields);
+  archive.group("stepper", [&] { stepper->walk(archive); });
+  archive.group("backup", [&] {
+    bool kept = backup.has_value();
+    archive.number("kept", kept);
+    if (!kept) return;
+    if (archive.restoring()) keep();
+    archive.number("height", backup->height);
+    if (archive.restoring()) {
+      Scene whole = scene;
+      whole.height = backup->height;
+      backup->fields = fields_of(whole);
+    }
+    backup->tally.walk(archive);
+    walk_fields(backup->fields);
+  });
+  timers.walk(archive);
+}
+
 /// From which rung of the ladder on solves run in double throughout, with more sweeps.
 constexpr int careful_rung = 2;
 
@@ -240,6 +269,7 @@ const Scene& Simulation::scene() const { return impl_->scene; }
 const Fields& Simulation::fields() const { return impl_->fields; }
 Fields& Simulation::fields() { return impl_->fields; }
 double Simulation::t() const { return impl_->t; }
+long Simulation::steps() const { return impl_->steps; }
 const std::vector<double>& Simulation::orifice_mass() const { return impl_->orifice_mass; }
 std::vector<double> Simulation::material_mass() const {
   return masses_by_material(impl_->scene, impl_->fields, impl_->geometry.get(), impl_->threads);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "solver/archive.hpp"
 #include "solver/fields.hpp"
 #include "solver/initial_state.hpp"
 #include "solver/scene.hpp"
@@ -104,6 +105,11 @@ class Observer {
   virtual void on_snapshot(const Simulation&) {}
   virtual void on_step(const StepReport&, double /*fraction_done*/) {}
   virtual void on_warning(const std::string&) {}
+  /// Asked after every step: whether it is time to store the state.
+  virtual bool wants_checkpoint() { return false; }
+  /// Given the state when somebody wants it, when a run is interrupted, and at its end if that is a good one: before what the
+  /// end shows is told. A run continued from it goes on as if it had not ended.
+  virtual void on_checkpoint(const Simulation&, const Walk&) {}
   /// Asked after every step; a non-empty answer interrupts the run with that reason.
   virtual std::string interrupt() { return {}; }
 };
@@ -118,8 +124,10 @@ class Simulation {
   /// One time step, not past `t_limit`.
   StepReport step(double t_limit = 1e300);
   /// Steps to the end of the scene, telling the observers. An exception of an observer ends the run as
-  /// `interrupted`, with its words as the reason.
-  Summary run(const std::vector<Observer*>& observers = {});
+  /// `interrupted`, with its words as the reason. `from`: a state that Observer::on_checkpoint was given by a run of this
+  /// scene, whose time.end, time.max_steps and threads alone may differ; the run goes on from there, and what the observers
+  /// are told and the summary are bit for bit (wall times aside) those of a run without a break.
+  Summary run(const std::vector<Observer*>& observers = {}, Archive* from = nullptr);
 
   /// Replaces what the fills put into the domain, before the first step. Grains and tracers keep their volumes where there
   /// are no solids and no axis; the velocity is interpolated to faces and made free of divergence.
@@ -130,6 +138,7 @@ class Simulation {
   const Fields& fields() const;
   Fields& fields();  ///< for initial conditions and verification flows
   double t() const;
+  long steps() const;
   double grain_mass() const;
   std::vector<double> material_mass() const;
   /// Grains through each orifice since the start, outward positive, integrated at the faces [M].

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "solver/archive.hpp"
 #include "solver/boundary_of.hpp"
 #include "solver/geometry.hpp"
 #include "solver/simulation.hpp"
@@ -19,7 +20,7 @@ int threads_of(const Scene& scene);
 /// The arrays that it needs.
 Fields fields_of(const Scene& scene);
 
-/// Where a run stands, besides its fields.
+/// Where a run stands, besides its fields. A new member goes into walk() too.
 struct Tally {
   double t = 0, dt = 0;  // dt of the last step; 0 before the first
   long steps = 0;
@@ -28,6 +29,17 @@ struct Tally {
   double other_mass = 0;                 // through open sides
   double fed_mass = 0;                   // by Scene::feed
   double lost_volume = 0;                // through all of them, times the density: what mode weight conserves
+
+  void walk(Archive& archive) {
+    archive.number("t", t);
+    archive.number("dt", dt);
+    archive.number("steps", steps);
+    archive.numbers("orifice_mass", orifice_mass);
+    archive.numbers("orifice_material", orifice_material);
+    archive.number("other_mass", other_mass);
+    archive.number("fed_mass", fed_mass);
+    archive.number("lost_volume", lost_volume);
+  }
 };
 
 struct Simulation::Impl : Tally {
@@ -66,6 +78,7 @@ struct Simulation::Impl : Tally {
   void fit_height();
   void set_height(double height);
   void keep();
+  void walk(Archive& archive);
   void go_back();
   void take_care(int rung);
   double mass_error(double initial_mass) const;

@@ -85,6 +85,14 @@ class StepperOf final : public Stepper {
 
   void forget() override { projection_.forget(); }
 
+  void walk(Archive& archive) override {
+    projection_.walk(archive);
+    archive.field("viscosity", eta_);
+    rheology_.walk(archive);
+    if (fluidity_) fluidity_->walk(archive);
+    if (with_modules && dilatancy_) dilatancy_->walk(archive);
+  }
+
   void hydrostatic(Fields& fields) override {
     transport_mass(fields, 0);
     parallel(threads_, [&](Team& team) {

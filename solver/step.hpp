@@ -4,6 +4,7 @@
 
 #include "kernels/boundary.hpp"
 #include "kernels/geometry.hpp"
+#include "solver/archive.hpp"
 #include "solver/fields.hpp"
 #include "solver/rheology.hpp"
 #include "solver/scene.hpp"
@@ -29,6 +30,8 @@ class Stepper {
   virtual void fill_halo(Fields& fields) const = 0;
   /// Takes nothing over from the step before: the fields are other ones now.
   virtual void forget() = 0;
+  /// Besides the fields, what the next step takes over from the last, and what the last leaves to be shown.
+  virtual void walk(Archive& archive) = 0;
   /// Pressure that holds the present densities still against gravity, where walls allow it.
   virtual void hydrostatic(Fields& fields) = 0;
   /// Projects the velocity in fields, at any density.

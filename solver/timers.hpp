@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "solver/archive.hpp"
+
 namespace hourglass {
 
 using Clock = std::chrono::steady_clock;
@@ -28,6 +30,18 @@ class Timers {
         return;
       }
     stages_.emplace_back(stage, seconds);
+  }
+  void walk(Archive& archive) {
+    std::vector<std::string> names;
+    std::vector<double> seconds;
+    for (const auto& [name, total] : stages_) {
+      names.push_back(name);
+      seconds.push_back(total);
+    }
+    archive.texts("stages", names);
+    archive.numbers("stage_seconds", seconds);
+    stages_.clear();
+    for (std::size_t k = 0; k < names.size(); ++k) stages_.emplace_back(names[k], seconds[k]);
   }
   const std::vector<std::pair<std::string, double>>& stages() const { return stages_; }
 

@@ -26,6 +26,14 @@ class Watchdog {
   /// The same for what can be lived with: each is said once.
   std::vector<std::string> doubts();
 
+  void walk(Archive& archive) {
+    archive.number("initial_mass", initial_mass_);
+    archive.number("most_speed", most_speed_);
+    archive.number("looks_outside", looks_outside_);
+    archive.number("said_mass", said_mass_);
+    archive.number("said_pressure", said_pressure_);
+  }
+
   static constexpr long look_every = 64;  ///< steps
 
  private:
@@ -34,7 +42,7 @@ class Watchdog {
   std::string place(int i, int j) const;
 
   const Simulation::Impl& s_;
-  const double initial_mass_;
+  double initial_mass_;
   double most_speed_;  ///< [L/T]; infinity: no limit is known
   int looks_outside_ = 0;
   bool said_mass_ = false, said_pressure_ = false;

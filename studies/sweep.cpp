@@ -152,10 +152,9 @@ class Sweep {
       return true;
     }
     if (!room_for(r)) return false;
-    fs::remove_all(run_folder(r));
     going_.push_back({r, threads(r), Clock::now(),
                       Child({o_.program.string(), "run", input(r).string(), "--out", run_folder(r).string(),
-                             "--quiet", "--threads", fmt::format("{}", threads(r))},
+                             "--resume", "--quiet", "--threads", fmt::format("{}", threads(r))},
                             log(r))});
     return true;
   }

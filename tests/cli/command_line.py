@@ -71,7 +71,7 @@ class CommandLine(unittest.TestCase):
         self.refuse("run", "scene.yaml", "--frce", says=["--frce"])
         self.refuse("run", "scene.yaml", "--threads", "many")
         self.refuse("run", "scene.yaml", "--threads", "-1")
-        self.refuse("run", "scene.yaml", "--resume", says=["not in this version"])
+        self.refuse("run", "scene.yaml", "--resume", "--force", says=["--resume excludes --force"])
         self.refuse("render", "no_such_run")
 
     def test_wrong_scenes(self):
@@ -255,7 +255,29 @@ class CommandLine(unittest.TestCase):
                 stderr = process.communicate(timeout=60)[1]
                 self.assertEqual(process.returncode, status, stderr)
                 with open(os.path.join(out, "summary.json")) as file:
-                    self.assertEqual(json.load(file)["status"], "interrupted")
+                    summary = json.load(file)
+                self.assertEqual(summary["status"], "interrupted")
+
+                steps = ["--set", f"time.max_steps={summary['steps'] + 20}"]
+                self.refuse("run", "scene.yaml", "--out", out, says=["--resume"])
+                self.refuse("run", "scene.yaml", "--out", out, "--resume", "--set", "materials.sand.mu_s=0.4",
+                            says=["materials.sand.mu_s is 0.32 there, 0.4 here"])
+                result = self.hourglass("run", "scene.yaml", "--out", out, "--resume", *steps)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                self.assertIn("resumed at t = ", result.stdout)
+                result = self.hourglass("run", "scene.yaml", "--out", "whole", "--force", *steps)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                self.assertEqual(self.series(out), self.series("whole"))
+                result = self.hourglass("run", "scene.yaml", "--out", out, "--resume", *steps)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                self.assertIn("is at its end (finished)", result.stderr)
+
+    def series(self, run):
+        with open(os.path.join(self.path(run), "series.csv")) as file:
+            rows = list(csv.DictReader(file))
+        for row in rows:
+            del row["wall_seconds"]
+        return rows
 
     def test_extrapolation(self):
         self.scene()
