@@ -290,7 +290,7 @@ int main(int argc, char** argv) {
       ->add_option("--jobs", a.jobs, "runs at a time (default: by the cores and the cells of the runs)")
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
-  sweep_command->add_option("--executor", a.executor, "where the runs are executed")
+  sweep_command->add_option("--executor", a.executor, "where the runs are executed: local or slurm")
       ->check(CLI::IsMember(std::vector<std::string>(executor_names.begin(), executor_names.end())));
   sweep_command
       ->add_option("--out", a.out, "folder (default: sweeps/<name of the study>); a sweep in it goes on")

@@ -83,9 +83,12 @@ class SvgChart {
     out += fmt::format("<path class=\"axis\" d=\"M{:.1f} {}V{}H{}\"/>\n", left_, top, bottom, end);
     out += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n", 0.5 * (left_ + end),
                        height - 8, html_text(c_.x.title));
-    out +=
-        fmt::format("<text transform=\"translate(16 {:.1f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
-                    0.5 * (top + bottom), html_text(c_.y.title));
+    const bool squeezed = letter * static_cast<double>(letters(c_.y.title)) > bottom - top;
+    out += fmt::format(
+        "<text transform=\"translate(16 {:.1f}) rotate(-90)\" text-anchor=\"middle\"{}>{}</text>\n",
+        0.5 * (top + bottom),
+        squeezed ? fmt::format(" textLength=\"{}\" lengthAdjust=\"spacingAndGlyphs\"", bottom - top) : "",
+        html_text(c_.y.title));
     for (const ReferenceLine& l : c_.lines) {
       const bool vertical = l.way == ReferenceLine::Way::vertical;
       const Scale& scale = vertical ? x_ : y_;

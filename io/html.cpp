@@ -44,7 +44,7 @@ tbody th{font-weight:600}
 .wide th,.wide td{white-space:nowrap}
 .wide td.long{white-space:normal;min-width:18rem}
 .pairs td{overflow-wrap:anywhere}
-@media(max-width:40rem){.pairs tr,.pairs th,.pairs td{display:block;padding-right:0}.pairs th{border:0;padding-bottom:0}}
+@media(max-width:40rem){.wide tbody th{white-space:normal;min-width:8rem}.pairs tr,.pairs th,.pairs td{display:block;padding-right:0}.pairs th{border:0;padding-bottom:0}}
 td .bar{display:inline-block;height:.6em;background:var(--c0);border-radius:.1em;min-width:1px}
 pre{background:var(--card);padding:.8rem;border-radius:.4rem;overflow-x:auto;font-size:.85rem;line-height:1.4}
 code,pre{font-family:ui-monospace,"SF Mono",Menlo,Consolas,"DejaVu Sans Mono",monospace}
@@ -151,6 +151,12 @@ for (const figure of document.querySelectorAll('.chart')) {
   });
   svg.addEventListener('pointerleave', leave);
 }
+const unfold = () => {
+  const target = document.getElementById(location.hash.slice(1));
+  if (target && target.tagName === 'DETAILS') { target.open = true; }
+};
+addEventListener('hashchange', unfold);
+unfold();
 for (const button of document.querySelectorAll('.copy')) {
   button.hidden = !navigator.clipboard;
   button.addEventListener('click', async () => {

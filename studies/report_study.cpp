@@ -53,7 +53,10 @@ class StudyReport {
       body += "</ul>\n<p class=\"soft\">± is half of the 95 % confidence interval of the fit.</p>\n";
     }
     std::vector<Chart> plots;
-    for (const auto& [file, chart] : measured_.charts) plots.push_back(chart);
+    for (const auto& [file, chart] : measured_.charts) {
+      plots.push_back(chart);
+      plots.back().title = spaced(fs::path(file).stem().string());  // the page names the study
+    }
     if (const std::string drawn = charts_html(plots); !drawn.empty()) body += "<h2>Plots</h2>\n" + drawn;
     body += "<h2>What was asked</h2>\n" + axes();
     body += "<h2>The runs</h2>\n" + table();
@@ -78,10 +81,11 @@ class StudyReport {
     for (std::size_t k = 1; k < rows_.size(); ++k) n += !well(cell(k, "status"));
     return n;
   }
-  static std::string number(const std::string& text) {
+  /// Of a cell; words stay as they are.
+  static std::string number(const std::string& text, int digits) {
     char* end = nullptr;
     const double value = std::strtod(text.c_str(), &end);
-    return end == text.c_str() ? html_text(text) : number_text(value, 4);
+    return end == text.c_str() ? text : number_text(value, digits);
   }
   std::size_t first_figure() const { return column_.at("status"); }
 
@@ -137,7 +141,7 @@ class StudyReport {
           cells.push_back(
               fmt::format("<span class=\"{}\">{}</span>", well(text) ? "good" : "bad", html_text(text)));
         else
-          cells.push_back(c > first_figure() ? number(text) : html_text(text));
+          cells.push_back(html_text(c > first_figure() && rows_[0][c] != "reason" ? number(text, 4) : text));
       }
       table.push_back(std::move(cells));
     }
@@ -160,7 +164,7 @@ class StudyReport {
       std::vector<std::pair<std::string, std::string>> figures;
       for (std::size_t c = first_figure() + 1; c < rows_[0].size(); ++c) {
         if (rows_[0][c] != "reason" && !rows_[k][c].empty())
-          figures.emplace_back(spaced(rows_[0][c]), rows_[k][c]);
+          figures.emplace_back(spaced(rows_[0][c]), number(rows_[k][c], 6));
       }
       out += html_pairs(figures);
       if (thumbnails < most_thumbnails) out += last_pictures(run, thumbnails);

@@ -27,7 +27,7 @@ constexpr const char* script = R"sh(#!/bin/bash
 cd "$3" || exit 1
 run=$(sed -n "$((SLURM_ARRAY_TASK_ID + 1))p" "$1")
 [ -n "$run" ] || exit 1
-rm -rf "runs/$run" "slurm/$run.end"
+rm -rf "runs/$run" "slurm/$run.end" && mkdir "runs/$run" || exit 1
 "$2" run "inputs/$run.yaml" --out "runs/$run" --quiet --threads "${SLURM_CPUS_PER_TASK:-1}" \
   >/dev/null 2>"logs/$run.txt" </dev/null
 status=$?
@@ -54,12 +54,17 @@ std::vector<std::string> lines_of(const std::string& text) {
 }  // namespace
 
 Slurm::Slurm(const fs::path& folder) : folder_(fs::absolute(folder)) {
+  if (const std::string program = missing(); !program.empty())
+    throw std::invalid_argument(
+        fmt::format("--executor slurm: there is no {} here. Run it where jobs are submitted to Slurm, or "
+                    "use --executor local.",
+                    program));
+}
+
+std::string Slurm::missing() {
   for (const char* program : {"sbatch", "squeue"})
-    if (!on_path(program))
-      throw std::invalid_argument(
-          fmt::format("--executor slurm: there is no {} here. Run it where jobs are submitted to Slurm, or "
-                      "use --executor local.",
-                      program));
+    if (!on_path(program)) return program;
+  return {};
 }
 
 bool Slurm::used(const fs::path& folder) { return fs::exists(folder / "slurm/jobs.csv"); }
@@ -68,10 +73,10 @@ std::vector<std::string> Slurm::listed(const std::string& list) const {
   return lines_of(text_at(own() / list));
 }
 
-std::string Slurm::jobs() const {
+std::string Slurm::jobs(const char* between) const {
   std::vector<std::string> names;
   for (const auto& row : csv_rows(text_at(own() / "jobs.csv"))) names.push_back(row.at(0));
-  return fmt::format("{}", fmt::join(names.begin() + !names.empty(), names.end(), ", "));
+  return fmt::format("{}", fmt::join(names.begin() + !names.empty(), names.end(), between));
 }
 
 std::optional<std::set<std::string>> Slurm::alive() const {

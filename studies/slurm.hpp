@@ -22,8 +22,8 @@ class Slurm {
   /// Runs by name that wait or are at work, of all jobs that were submitted from this folder; nothing while Slurm cannot be
   /// asked.
   std::optional<std::set<std::string>> alive() const;
-  /// Their jobs, "12, 13".
-  std::string jobs() const;
+  /// The numbers of their jobs, "12 13".
+  std::string jobs(const char* between = " ") const;
 
   /// One array job, a task each run; several where there are more runs than an array may have. at_once: tasks at a time,
   /// 0: as many as Slurm likes. Throws std::runtime_error with the words of sbatch if it refuses.
@@ -33,6 +33,8 @@ class Slurm {
   /// How the task of a run ended; nothing if it has not, or was ended by Slurm.
   std::optional<TaskEnd> end_of(const std::string& run) const;
 
+  /// The program of Slurm that is not there; empty if all are.
+  static std::string missing();
   /// Whether a folder has had jobs.
   static bool used(const std::filesystem::path& folder);
 

@@ -77,12 +77,14 @@ class Sweep {
     if (interrupted_)
       fmt::print("interrupted with {} of {} runs done; the same command goes on from here{}\n",
                  table_->size(), runs_.size(),
-                 slurm_ ? fmt::format(". Slurm works on: scancel {} ends it", slurm_->jobs()) : "");
+                 slurm_ && !slurm_->jobs().empty()
+                     ? fmt::format(". Slurm works on: scancel {} ends it", slurm_->jobs())
+                     : "");
     else if (lost_ > 0)
       fmt::print(stderr,
                  "{} of {} runs were ended by Slurm, not by themselves (sacct -j {} says why); the same "
                  "command tries them again\n",
-                 lost_, runs_.size(), slurm_->jobs());
+                 lost_, runs_.size(), slurm_->jobs(","));
     else
       fmt::print("{}: {} runs, {} failed\n", (folder_ / "results.csv").string(), runs_.size(), failed);
     return {static_cast<int>(runs_.size()), failed, lost_, interrupted_};
@@ -128,7 +130,7 @@ class Sweep {
 
   /// Throws std::invalid_argument where two would work on the same runs.
   void leave_jobs_alone() const {
-    if (!Slurm::used(folder_) || (slurm_ && !o_.force)) return;
+    if (!Slurm::used(folder_) || !Slurm::missing().empty() || (slurm_ && !o_.force)) return;
     const Slurm before(folder_);
     if (const auto alive = before.alive(); !alive || !alive->empty())
       throw std::invalid_argument(fmt::format(
@@ -140,6 +142,7 @@ class Sweep {
   std::optional<SweepTable::Cells> ended(std::size_t r) const {
     auto found = summary_of(run_folder(r));
     if (found) return found->at("status") != "interrupted" ? found : std::nullopt;
+    if (!fs::exists(run_folder(r))) return std::nullopt;  // somebody wants it tried again
     const auto end = slurm_->end_of(runs_[r].name);
     return end ? std::optional(failed_cells(r, end->wait_status, end->seconds)) : std::nullopt;
   }
@@ -153,6 +156,7 @@ class Sweep {
       else
         waiting[r] = 0;
     }
+    look_for_interrupt();
     auto alive = slurm_->alive();
     while (!alive && !interrupted_) alive = asked_again();
     std::vector<std::string> fresh;
@@ -194,7 +198,7 @@ class Sweep {
 
   int threads(std::size_t r) const {
     if (runs_[r].scene.patch().cells() <= small_cells) return 1;
-    return o_.jobs > 0 ? std::max(1, cores_ / o_.jobs) : cores_;
+    return o_.jobs > 0 && !slurm_ ? std::max(1, cores_ / o_.jobs) : cores_;
   }
   bool room_for(std::size_t r) const {
     if (o_.jobs > 0) return std::ssize(going_) < o_.jobs;
