@@ -6,12 +6,14 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "io/command_pages.hpp"
 #include "io/files.hpp"
 #include "io/fit_run.hpp"
 #include "io/forecast.hpp"
@@ -227,6 +229,13 @@ int measure(const Arguments& a) {
   return finished;
 }
 
+int write_pages(const CLI::App& app, const std::filesystem::path& folder) {
+  write_atomically(folder / "hourglass.1", man_page(app, provenance().version));
+  write_atomically(folder / "hourglass.bash", bash_completion(app));
+  write_atomically(folder / "hourglass.zsh", zsh_completion(app));
+  return finished;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -369,6 +378,10 @@ int main(int argc, char** argv) {
                  "a video of each field, <field>.ogv, and its pictures, frames/")
       ->excludes("--time");
 
+  CLI::App* pages_command = app.add_subcommand("pages", "write the man page and the completions of shells");
+  pages_command->group("");  // for who packages hourglass
+  pages_command->add_option("folder", a.out, "folder")->required()->check(CLI::ExistingDirectory);
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -384,6 +397,7 @@ int main(int argc, char** argv) {
     if (*measure_command) return measure(a);
     if (*report_command) return report(a);
     if (*fit_command) return fit(a);
+    if (*pages_command) return write_pages(app, a.out);
     return render(a);
   } catch (const std::invalid_argument& error) {  // what was asked for cannot be: nothing was written
     fmt::print(stderr, "{}\n", error.what());

@@ -17,6 +17,7 @@ constexpr const char* style = R"css(
 --good:#5fcf95;--bad:#ff8a80;--wait:#f0c060;
 --c0:#4ba3e3;--c1:#ff8b3d;--c2:#2cc79b;--c3:#e59cc5;--c4:#f0b53c;--c5:#8fd0f7;--c6:#d8d8d8;--grey:#6d757d}}
 *{box-sizing:border-box}
+[hidden]{display:none!important}
 html{-webkit-text-size-adjust:100%}
 body{margin:0 auto;padding:1.5rem 1rem 4rem;max-width:76rem;background:var(--page);color:var(--ink);
 font:16px/1.5 system-ui,"Segoe UI",Roboto,"Helvetica Neue",Arial,"DejaVu Sans",sans-serif;overflow-wrap:break-word}
@@ -69,7 +70,6 @@ figcaption{font-weight:600;margin-bottom:.2rem}
 padding:.2rem .5rem;font-size:.82rem;max-width:16rem;z-index:2}
 .viewer{max-width:46rem}
 .viewer img{display:block;width:100%;height:auto;background:#fff;border-radius:.3rem}
-.viewer img[hidden]{display:none}
 .controls{display:flex;flex-wrap:wrap;gap:.5rem;align-items:center;margin:.5rem 0}
 .controls input{flex:1 1 12rem;min-width:8rem;accent-color:var(--c0)}
 .controls output{min-width:9.5rem;font-variant-numeric:tabular-nums}

@@ -207,7 +207,7 @@ struct RunFolder::Impl {
     for (const std::string& warning : warnings) log->info("{}", warning);
     write_atomically(path / "scene.yaml", resolved_yaml);
     series.emplace(path / "series.csv", scene);
-    if (scene.output.fields_every > 0) frames.emplace(path, info);
+    if (scene.output.fields_every > 0) frames.emplace(path, info, scene.output.compression);
   }
 
   void warn(const std::string& warning) {

@@ -122,12 +122,12 @@ class RunReport {
     const Patch p = scene_.patch();
     cards.push_back({"grid", fmt::format("{} × {}", p.nx, p.ny),
                      fmt::format("cells of {} {}", number_text(p.h, 4), unit("L"))});
-    add("steps", "steps");
+    if (scene_.model == Model::mu_I) add("steps", "steps");
     if (const auto seconds = summary_.number("wall_seconds"))
       cards.push_back({"took", duration_text(*seconds),
                        fmt::format("on {} thread{}", summary_.text("threads"),
                                    summary_.text("threads") == "1" ? "" : "s")});
-    add("cell-steps a second", "cell_steps_per_second");
+    if (scene_.model == Model::mu_I) add("cell-steps a second", "cell_steps_per_second");
     add("memory at most", "peak_memory_bytes", "MiB", 1.0 / (1 << 20));
     return cards_html(cards);
   }
@@ -172,6 +172,20 @@ class RunReport {
       add("hopper",
           fmt::format("walls at {}° to the vertical, outlet {} {}", number_text(scene_.hopper->half_angle),
                       number_text(scene_.hopper->outlet), unit("L")));
+    const auto add_number = [&](const std::string& name, const std::optional<double>& value,
+                                const std::string& of_unit) {
+      if (value) add(name, fmt::format("{} {}", number_text(*value), of_unit));
+    };
+    if (scene_.kinematic) add_number("B", scene_.kinematic->B, unit("L"));
+    if (scene_.kinematic) add_number("Q", scene_.kinematic->Q, unit("M/T"));
+    if (scene_.stochastic) add_number("L_s", scene_.stochastic->L_s, unit("L"));
+    if (scene_.stochastic) add_number("Q", scene_.stochastic->Q, unit("M/T"));
+    if (scene_.radial) {
+      add_number("φ", scene_.radial->phi, "°");
+      add_number("φ of the walls", scene_.radial->phi_w, "°");
+      add_number("half angle", scene_.radial->half_angle, "°");
+      add_number("Q", scene_.radial->Q, unit("M/T"));
+    }
     if (scene_.model == Model::mu_I) {
       for (const Switch& s : switches_of(scene_).on) add(s.key, s.what);
       add("end",
