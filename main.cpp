@@ -31,6 +31,7 @@
 #include "studies/extrapolation.hpp"
 #include "studies/limits.hpp"
 #include "studies/measure.hpp"
+#include "studies/report.hpp"
 #include "studies/sweep.hpp"
 #include "studies/trade.hpp"
 
@@ -237,14 +238,22 @@ int trade(const Arguments& a) {
 
 int sweep(const Arguments& a) {
   SignalWatch watch;
-  const SweepResult result = hourglass::sweep({.study = a.study,
-                                               .out = a.out,
-                                               .jobs = a.jobs,
-                                               .force = a.force,
-                                               .dry_run = a.dry_run,
-                                               .observers = {&watch}});
+  const SweepResult result =
+      hourglass::sweep({.study = a.study,
+                        .out = a.out,
+                        .executor = a.executor == executor_names[1] ? Executor::slurm : Executor::local,
+                        .jobs = a.jobs,
+                        .force = a.force,
+                        .dry_run = a.dry_run,
+                        .observers = {&watch}});
   if (result.interrupted) return by_signal + caught_signal;
+  if (result.lost > 0) return failed;
   return result.failed > 0 && result.failed == result.runs ? failed : finished;
+}
+
+int report(const Arguments& a) {
+  fmt::print("{}\n", hourglass::report(a.run, a.out).string());
+  return finished;
 }
 
 int measure(const Arguments& a) {
@@ -323,8 +332,8 @@ int main(int argc, char** argv) {
       ->add_option("--jobs", a.jobs, "runs at a time (default: by the cores and the cells of the runs)")
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
-  sweep_command->add_option("--executor", a.executor, "where the runs are executed")
-      ->check(CLI::IsMember(std::vector<std::string>{"local"}));
+  sweep_command->add_option("--executor", a.executor, "where the runs are executed: local or slurm")
+      ->check(CLI::IsMember(std::vector<std::string>(executor_names.begin(), executor_names.end())));
   sweep_command
       ->add_option("--out", a.out, "folder (default: sweeps/<name of the study>); a sweep in it goes on")
       ->type_name("DIR");
@@ -352,6 +361,14 @@ int main(int argc, char** argv) {
   of_fields("--threshold", a.measure.speeds, "S",
             "share of grains slower than S sqrt(g d); may be repeated (default: 1e-2, 1e-3 and 1e-4)")
       ->check(CLI::PositiveNumber);
+
+  CLI::App* report_command =
+      app.add_subcommand("report", "a run or a sweep on one HTML page that needs nothing else");
+  report_command->add_option("folder", a.run, "folder of a run or of a sweep")
+      ->required()
+      ->type_name("RUN|STUDY")
+      ->check(CLI::ExistingDirectory);
+  report_command->add_option("--out", a.out, "file (default: report.html in the folder)")->type_name("FILE");
 
   CLI::App* fit_command =
       app.add_subcommand("fit", "B and Q of the kinematic model that comes nearest to a stored run");
@@ -413,6 +430,7 @@ int main(int argc, char** argv) {
     if (*trade_command) return trade(a);
     if (*sweep_command) return sweep(a);
     if (*measure_command) return measure(a);
+    if (*report_command) return report(a);
     if (*fit_command) return fit(a);
     if (*pages_command) return write_pages(app, a.out);
     return render(a);

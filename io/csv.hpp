@@ -19,6 +19,11 @@ std::string csv_row(const std::vector<std::string>& cells);
 /// std::invalid_argument where a quote is not closed.
 std::vector<std::vector<std::string>> csv_rows(std::string_view text);
 
+/// The numbers of a table by column; what is none is NaN.
+using CsvColumns = std::map<std::string, std::vector<double>>;
+/// Throws std::invalid_argument if the file has no rows.
+CsvColumns csv_columns(const std::filesystem::path& path);
+
 /// A table on disk that grows by whole rows and goes on where an earlier process left it: a row is found by the text in
 /// its first column. What a killed process left of a row is dropped.
 class Ledger {

@@ -21,6 +21,7 @@ RunInfo info_of(const Scene& scene) {
   info.symmetry = scene.symmetry;
   info.coordinates = scene.coordinates;
   info.solids = outlines_of(scene);
+  info.steady = scene.model != Model::mu_I;
   if (!scene.materials.empty()) info.slow_speed = quasi_static_speed(scene);
   return info;
 }

@@ -22,6 +22,7 @@ struct RunInfo {
   Symmetry symmetry = Symmetry::none;
   Coordinates coordinates = Coordinates::cartesian;
   std::vector<Polygon> solids;  ///< outlines of what is solid in the domain; they may overlap
+  bool steady = false;          ///< of a model in closed form: there is no time
   double slow_speed = 0;        ///< slower grains count as quasi-static [L/T]; 0: not known
 
   /// The left edge is not a wall but the middle of what is meant.

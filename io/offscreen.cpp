@@ -8,10 +8,12 @@
 #include <vtkContextScene.h>
 #include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkImageData.h>
+#include <vtkImageShrink3D.h>
 #include <vtkLogger.h>
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
+#include <vtkPNGReader.h>
 #include <vtkPNGWriter.h>
 #include <vtkRenderer.h>
 #include <vtkStdString.h>
@@ -85,10 +87,27 @@ struct Window {
   }
 };
 
+/// A picture as the bytes of a PNG file.
+std::string encoded(vtkImageData* picture, int halved) {
+  vtkNew<vtkImageShrink3D> smaller;
+  smaller->SetInputData(picture);
+  smaller->SetShrinkFactors(1 << halved, 1 << halved, 1);
+  smaller->MeanOn();
+  vtkNew<vtkPNGWriter> png;
+  if (halved > 0)
+    png->SetInputConnection(smaller->GetOutputPort());
+  else
+    png->SetInputData(picture);
+  png->WriteToMemoryOn();
+  png->Write();
+  vtkUnsignedCharArray* bytes = png->GetResult();
+  return {reinterpret_cast<const char*>(bytes->GetPointer(0)),
+          static_cast<std::size_t>(bytes->GetNumberOfValues())};
+}
+
 }  // namespace
 
-void draw_png(vtkAbstractContextItem& item, int width, int height, const std::filesystem::path& path,
-              Edges edges) {
+std::string png_of(vtkAbstractContextItem& item, int width, int height, Edges edges, int halved) {
   static Window shared;  // a constructor that throws is tried again by the next call
   vtkGenericOpenGLRenderWindow& window = *shared.window;
 
@@ -104,17 +123,26 @@ void draw_png(vtkAbstractContextItem& item, int width, int height, const std::fi
   vtkNew<vtkWindowToImageFilter> picture;
   picture->SetInput(&window);
   picture->ReadFrontBufferOff();
-  vtkNew<vtkPNGWriter> png;
-  png->SetInputConnection(picture->GetOutputPort());
-  png->WriteToMemoryOn();
-  png->Write();
+  picture->Update();  // all of it: what follows would ask for a part, which this filter cannot give
+  std::string bytes = encoded(picture->GetOutput(), halved);
   window.RemoveRenderer(renderer);
   actor->GetScene()->RemoveItem(&item);
+  return bytes;
+}
 
-  if (path.empty()) return;
-  vtkUnsignedCharArray* bytes = png->GetResult();
-  write_atomically(path, {reinterpret_cast<const char*>(bytes->GetPointer(0)),
-                          static_cast<std::size_t>(bytes->GetNumberOfValues())});
+std::string smaller_png(const std::filesystem::path& path, int halved) {
+  vtkNew<vtkPNGReader> reader;
+  if (!reader->CanReadFile(path.c_str()))
+    throw std::runtime_error(fmt::format("{}: no picture", path.string()));
+  reader->SetFileName(path.c_str());
+  reader->Update();
+  return encoded(reader->GetOutput(), halved);
+}
+
+void draw_png(vtkAbstractContextItem& item, int width, int height, const std::filesystem::path& path,
+              Edges edges) {
+  const std::string bytes = png_of(item, width, height, edges);
+  if (!path.empty()) write_atomically(path, bytes);
 }
 
 void style_text(vtkTextProperty* text, int size) {

@@ -29,6 +29,12 @@ enum class Edges { crisp, smooth };
 void draw_png(vtkAbstractContextItem& item, int width, int height, const std::filesystem::path& path,
               Edges edges = Edges::smooth);
 
+/// The same as the bytes of a PNG file, each `halved` time at half the size.
+std::string png_of(vtkAbstractContextItem& item, int width, int height, Edges edges = Edges::smooth,
+                   int halved = 0);
+/// A PNG file at half its size, so many times. Throws std::runtime_error if it cannot be read.
+std::string smaller_png(const std::filesystem::path& path, int halved);
+
 /// The type of all pictures, in dark grey.
 void style_text(vtkTextProperty* text, int size);
 inline constexpr int tick_font = 27, label_font = 31;  // pixels

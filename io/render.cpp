@@ -207,7 +207,9 @@ struct Note {
 std::vector<Note> notes_of(const Picture& picture, const Ground& ground, double cell_pixels,
                            bool out_of_range) {
   std::vector<Note> notes;
-  notes.push_back({fmt::format("t = {} {}", number_text(picture.time, 4), picture.time_unit), label_font});
+  notes.push_back(
+      {picture.time ? fmt::format("t = {} {}", number_text(*picture.time, 4), picture.time_unit) : "steady",
+       label_font});
   if (auto note = arrow_note(arrows_of(picture, ground, cell_pixels), picture.velocity_unit); !note.empty())
     notes.push_back({note});
   if (has(picture, Overlay::quasi_static)) {
@@ -773,14 +775,32 @@ std::array<int, 2> size_of(const Picture& picture) {
   return {layout.width, layout.height};
 }
 
-void render_png(const Picture& picture, const std::filesystem::path& path) {
+namespace {
+
+/// What draws the picture, and its size in pixels.
+template <class Draw>
+auto painted(const Picture& picture, Draw&& draw) {
   const ColourScale scale = scale_of(picture);
   const Layout layout = layout_of(picture, scale);
   vtkNew<Painting> painting;
   painting->picture = &picture;
   painting->scale = &scale;
   painting->layout = &layout;
-  draw_png(*painting, layout.width, layout.height, path, Edges::crisp);
+  return draw(*painting, layout.width, layout.height);
+}
+
+}  // namespace
+
+void render_png(const Picture& picture, const std::filesystem::path& path) {
+  painted(picture, [&](Painting& painting, int width, int height) {
+    draw_png(painting, width, height, path, Edges::crisp);
+  });
+}
+
+std::string png_of(const Picture& picture, int halved) {
+  return painted(picture, [&](Painting& painting, int width, int height) {
+    return png_of(painting, width, height, Edges::crisp, halved);
+  });
 }
 
 }  // namespace hourglass

@@ -2,12 +2,14 @@
 // Pictures of cell fields. render_png takes plain data; picture_of and render_run make it from frames.
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "io/frame.hpp"
 #include "io/scales.hpp"
+#include "io/xdmf.hpp"
 #include "kernels/polygon.hpp"
 
 namespace hourglass {
@@ -29,8 +31,8 @@ struct Picture {
   std::string title, unit;           ///< of the colour bar
   std::string velocity_unit;         ///< for the note on the arrows
   std::string length_unit, time_unit;
-  bool axial = false;  ///< x is the distance from an axis: labelled r, without signs
-  double time = 0;
+  bool axial = false;                ///< x is the distance from an axis: labelled r, without signs
+  std::optional<double> time = 0.0;  ///< nullopt: a steady flow
   bool log_scale = false;
   bool show_air = false;  ///< colour the air too instead of leaving it blank
   ColourMap colours = ColourMap::viridis;
@@ -55,6 +57,9 @@ std::array<int, 2> size_of(const Picture& picture);
 /// tall domain is 1300 pixels high plus margins. Errors as draw_png() (io/offscreen.hpp).
 void render_png(const Picture& picture, const std::filesystem::path& path);
 
+/// The same as the bytes of a PNG file, at half the size so many times.
+std::string png_of(const Picture& picture, int halved);
+
 struct PictureOptions {
   std::vector<Overlay> overlays{};
   bool half = false;  ///< of a domain that is one half of what is meant draw only this half
@@ -73,6 +78,11 @@ std::filesystem::path snapshot_path(const std::filesystem::path& run, const std:
 std::filesystem::path picture_path(const std::filesystem::path& run, const std::string& field, int number);
 std::filesystem::path video_frame_path(const std::filesystem::path& run, const std::string& field,
                                        int number);
+
+/// The picture of one field by frame, in a range that all of `frames` have in common. The reader must outlive it.
+std::function<Picture(int frame)> pictures_of(const FieldReader& reader, const std::string& field,
+                                              const std::vector<int>& frames,
+                                              const PictureOptions& options = {});
 
 struct RenderOptions : PictureOptions {
   std::vector<std::string> fields{};  ///< none: all that are stored

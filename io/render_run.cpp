@@ -7,7 +7,6 @@
 
 #include "io/movie.hpp"
 #include "io/render.hpp"
-#include "io/xdmf.hpp"
 
 namespace hourglass {
 namespace {
@@ -46,7 +45,10 @@ Picture picture_of(const std::string& field, const Frame& frame, const RunInfo& 
   picture.velocity_unit = unit_text("L/T", info.units);
   picture.length_unit = unit_text("L", info.units);
   picture.time_unit = unit_text("T", info.units);
-  picture.time = frame.t;
+  if (info.steady)
+    picture.time.reset();
+  else
+    picture.time = frame.t;
   picture.log_scale = about.logarithmic;
   picture.openings = openings_of(info);
   picture.solids = info.solids;
@@ -142,26 +144,31 @@ std::filesystem::path video_frame_path(const std::filesystem::path& run, const s
   return numbered(run, "frames", field, number);
 }
 
+std::function<Picture(int frame)> pictures_of(const FieldReader& reader, const std::string& field,
+                                              const std::vector<int>& frames, const PictureOptions& options) {
+  field_info(field);
+  const auto picture = [&reader, field, options](int frame) {
+    return picture_of(field, reader.read(frame, {"grains", field}), reader.info(), options);
+  };
+  double lo = HUGE_VAL, hi = -HUGE_VAL;
+  for (const int frame : frames) {
+    const auto extremes = shown_extremes(picture(frame));
+    lo = std::min(lo, extremes[0]);
+    hi = std::max(hi, extremes[1]);
+  }
+  return [=](int frame) {
+    Picture one = picture(frame);
+    if (!one.range) one.range = nice_range(lo, hi, one.log_scale);
+    return one;
+  };
+}
+
 int render_run(const std::filesystem::path& run, const RenderOptions& options) {
   const FieldReader reader(run);
   if (reader.times().empty()) throw std::runtime_error(fmt::format("{}: no frames", run.string()));
   const std::vector<int> frames = frames_at(reader.times(), options.times);
   for (const std::string& field : options.fields.empty() ? reader.names(frames.front()) : options.fields) {
-    field_info(field);
-    const auto picture = [&](int frame) {
-      return picture_of(field, reader.read(frame, {"grains", field}), reader.info(), options);
-    };
-    double lo = HUGE_VAL, hi = -HUGE_VAL;
-    for (const int frame : frames) {
-      const auto extremes = shown_extremes(picture(frame));
-      lo = std::min(lo, extremes[0]);
-      hi = std::max(hi, extremes[1]);
-    }
-    const auto scaled = [&](int frame) {
-      Picture one = picture(frame);
-      if (!one.range) one.range = nice_range(lo, hi, one.log_scale);
-      return one;
-    };
+    const auto scaled = pictures_of(reader, field, frames, options);
     std::array<int, 2> size{0, 0};
     for (const int frame : frames) {
       if (!options.animate) break;

@@ -165,6 +165,7 @@ FieldWriter::FieldWriter(const std::filesystem::path& folder, const RunInfo& inf
     h5::write_attribute(file, "coordinates",
                         std::string(coordinates_names[static_cast<int>(info.coordinates)]));
     h5::write_attribute(file, "slow_speed", info.slow_speed);
+    if (info.steady) h5::write_attribute(file, "steady", 1.0);
     if (!info.solids.empty()) write_outlines(file, info.solids);
     h5::create_compact_group(file, "frames", 1000, 6);
     file.close("close");
@@ -270,6 +271,7 @@ FieldReader::FieldReader(const std::filesystem::path& run) : h5_(run / "fields.h
       info_.coordinates = named<Coordinates>(h5::read_string(file, "coordinates"), coordinates_names);
       info_.slow_speed = h5::read_number(file, "slow_speed");
     }
+    info_.steady = h5::has_attribute(file, "steady");
     info_.solids = read_outlines(file);
     const h5::Id frames = h5::group(file, "frames");
     for (hsize_t k = 0; k < h5::member_count(frames); ++k) {

@@ -4,7 +4,8 @@
 // fields.h5, all numbers in the run's units:
 //   /                          attributes format, name, units (grain | SI), cells [nx, ny], origin [x, y],
 //                              spacing, walls [left, right, bottom, top], orifices [n][side, centre, width],
-//                              materials, symmetry, coordinates, slow_speed
+//                              materials, symmetry, coordinates, slow_speed; steady, if it is of a model in
+//                              closed form
 //   /solids/000000             float64 [corners][2], one outline each
 //   /frames/000012             attribute time
 //   /frames/000012/speed       float32 [ny][nx], cell data, row 0 at the bottom; attributes name, units,

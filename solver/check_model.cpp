@@ -1,6 +1,9 @@
 // Models that are fields in closed form, in messages: what of a scene they cannot honour, and what they do
 // not use.
+#include <algorithm>
+
 #include "solver/scene_checks.hpp"
+#include "solver/solids.hpp"
 #include "solver/steady_flow.hpp"
 
 namespace hourglass {
@@ -86,6 +89,20 @@ void check_radial(const Scene& s, const Radial& r, Problems& p) {
     p.error("radial.half_angle",
             fmt::format("{} is not that of the hopper, {}. Remove it.", *r.half_angle, s.hopper->half_angle));
     sound = false;
+  }
+  if (s.hopper && sound) {
+    const double end = (s.width - outlet_of(s)[1]) / std::tan(s.hopper->half_angle * degree);
+    double filled = 0;
+    for (const Fill& fill : s.fill)
+      for (const auto& corner : fill.points) filled = std::max(filled, fill.material >= 0 ? corner[1] : 0);
+    if (end < filled * (1 - 1e-9))
+      p.warn(
+          "fill",
+          fmt::format(
+              "grains reach y = {:.6g}, but the hopper's walls end at {:.6g}: above, the radial field goes "
+              "on as between such walls, which is not the flow between upright ones. Fill no higher, "
+              "or read the field below.",
+              filled, end));
   }
   if (!sound || radial_field(radial_hopper(s))) return;
   const double limit = mass_flow_limit(radial_hopper(s)) / degree;

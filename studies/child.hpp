@@ -24,6 +24,15 @@ class Child {
   pid_t pid_;
 };
 
+/// What a program said and how it ended.
+struct ProgramOutput {
+  int wait_status = 0;
+  std::string out, err;
+};
+/// Runs a program of the PATH to its end; one that cannot be started ends with status 127. Throws std::runtime_error if there
+/// can be no process.
+ProgramOutput output_of(const std::vector<std::string>& command);
+
 /// "exit status 1", "killed by signal 11 (Segmentation fault)".
 std::string text_of_wait_status(int status);
 

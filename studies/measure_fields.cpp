@@ -9,12 +9,10 @@
 #include <stdexcept>
 
 #include "io/csv.hpp"
-#include "io/files.hpp"
 #include "solver/boundary_of.hpp"
 #include "solver/geometry.hpp"
 
 namespace hourglass {
-namespace fs = std::filesystem;
 namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
@@ -36,15 +34,6 @@ std::vector<double> numbers_in(std::string_view text) {
 
 std::string cell(double x) { return std::isfinite(x) ? fmt::format("{}", x) : ""; }
 
-/// Plots of an earlier call, which had other lines or fields.
-void remove_plots(const fs::path& folder, const std::string& prefix) {
-  if (!fs::exists(folder)) return;
-  std::vector<fs::path> old;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.path().filename().string().starts_with(prefix)) old.push_back(entry.path());
-  for (const fs::path& path : old) fs::remove(path);
-}
-
 }  // namespace
 
 std::string quasi_static_name(double threshold) {
@@ -54,8 +43,9 @@ std::string quasi_static_name(double threshold) {
   return fmt::format("quasi_static_{}", threshold);
 }
 
-FieldMeasure::FieldMeasure(const fs::path& run, const Scene& scene, const MeasureOptions& options)
-    : run_(run), scene_(scene), reader_(run), geometry_(geometry_of(scene, boundary_of(scene))),
+FieldMeasure::FieldMeasure(const std::filesystem::path& run, const Scene& scene,
+                           const MeasureOptions& options)
+    : scene_(scene), reader_(run), geometry_(geometry_of(scene, boundary_of(scene))),
       thresholds_(options.speeds), fields_(options.fields), probe_texts_(options.probes) {
   if (reader_.times().empty())
     throw std::runtime_error(fmt::format("{}: holds no frames yet", (run / "fields.h5").string()));
@@ -142,7 +132,7 @@ std::vector<double> FieldMeasure::values_at(const FieldPoint& point, const Frame
   return values;
 }
 
-std::vector<FrameMean> FieldMeasure::quasi_static(double from, double to) const {
+void FieldMeasure::quasi_static(double from, double to, Measured& out) const {
   const std::vector<FlatTop> tops = flat_tops(scene_);
   std::vector<double> speeds;
   std::vector<std::string> names;
@@ -166,17 +156,20 @@ std::vector<FrameMean> FieldMeasure::quasi_static(double from, double to) const 
     text += fmt::format("{},{}\n", frame.t, fmt::join(row, ","));
     for (std::size_t n = 0; n < row.size(); ++n) shares[n].push_back(row[n]);
   }
-  write_atomically(run_ / "quasi_static.csv", text);
+  out.tables.emplace_back("quasi_static.csv", text);
 
   const std::vector<int> frames = frames_in(from, to);
-  std::vector<FrameMean> means;
   for (std::size_t n = 0; n < names.size(); ++n) {
     double sum = 0;
     for (const int k : frames) sum += shares[n][k];
-    means.push_back({names[n], sum / static_cast<double>(frames.size()), reader_.times()[frames.front()],
-                     reader_.times()[frames.back()]});
+    out.figures.push_back({names[n],
+                           sum / static_cast<double>(frames.size()),
+                           "",
+                           {},
+                           reader_.times()[frames.front()],
+                           reader_.times()[frames.back()]});
   }
-  if (reader_.times().size() < 3) return means;
+  if (reader_.times().size() < 3) return;
   Chart chart{.title = fmt::format("{}: grains that hardly move", scene_.name),
               .x = {.title = fmt::format("time [{}]", unit_text("T", scene_.units))},
               .y = {.title = "share of the grains"}};
@@ -190,8 +183,7 @@ std::vector<FrameMean> FieldMeasure::quasi_static(double from, double to) const 
                             .dashed = above,
                             .colour = static_cast<int>(k)});
   }
-  draw("quasi_static.png", chart);
-  return means;
+  out.charts.emplace_back("quasi_static.png", chart);
 }
 
 FieldMeasure::Values FieldMeasure::along(const Line& line, const std::vector<int>& frames) const {
@@ -210,7 +202,7 @@ FieldMeasure::Values FieldMeasure::along(const Line& line, const std::vector<int
   return sums;
 }
 
-void FieldMeasure::profiles(double from, double to) const {
+void FieldMeasure::profiles(double from, double to, Measured& out) const {
   if (lines_.empty()) return;
   struct Curve {
     std::vector<int> frames;
@@ -229,7 +221,6 @@ void FieldMeasure::profiles(double from, double to) const {
         {all, "mean",
          fmt::format("mean, t = {} to {}", number_text(reader_.times()[first], 4), time_text(last))});
   }
-  remove_plots(run_ / "plots", "profile_");
   std::vector<std::string> head{"line", "t", "s", "x", "y"};
   head.insert(head.end(), fields_.begin(), fields_.end());
   std::string text = csv_row(head);
@@ -260,15 +251,13 @@ void FieldMeasure::profiles(double from, double to) const {
             {.name = curves[c].name, .x = place, .y = values[f], .colour = static_cast<int>(c)});
     }
     for (std::size_t f = 0; f < fields_.size(); ++f)
-      draw(fmt::format("profile_{}_{}.png", l + 1, fields_[f]), charts[f]);
+      out.charts.emplace_back(fmt::format("profile_{}_{}.png", l + 1, fields_[f]), charts[f]);
   }
-  write_atomically(run_ / "profiles.csv", text);
-  fmt::print("{}\n", (run_ / "profiles.csv").string());
+  out.tables.emplace_back("profiles.csv", text);
 }
 
-void FieldMeasure::probes() const {
+void FieldMeasure::probes(Measured& out) const {
   if (probes_.empty()) return;
-  remove_plots(run_ / "plots", "probes_");
   const std::size_t frames = reader_.times().size();
   std::vector<Values> values(probes_.size(), Values(fields_.size()));
   for (std::size_t k = 0; k < frames; ++k) {
@@ -298,20 +287,15 @@ void FieldMeasure::probes() const {
                               .x = reader_.times(),
                               .y = values[n][f],
                               .colour = static_cast<int>(n)});
-    draw(fmt::format("probes_{}.png", fields_[f]), chart);
+    out.charts.emplace_back(fmt::format("probes_{}.png", fields_[f]), chart);
   }
-  write_atomically(run_ / "probes.csv", text);
-  fmt::print("{}\n", (run_ / "probes.csv").string());
+  out.tables.emplace_back("probes.csv", text);
 }
 
 std::string FieldMeasure::axis_title(const std::string& field) const {
   const FieldInfo& info = field_info(field);
   const std::string unit = unit_text(info.dimension, scene_.units);
   return unit.empty() ? info.label : fmt::format("{} [{}]", info.label, unit);
-}
-
-void FieldMeasure::draw(const std::string& name, const Chart& chart) const {
-  draw_chart(chart, run_ / "plots" / name);
 }
 
 }  // namespace hourglass

@@ -6,33 +6,26 @@
 #include <string>
 #include <vector>
 
-#include "io/chart.hpp"
 #include "io/xdmf.hpp"
 #include "kernels/geometry.hpp"
 #include "solver/quasi_static.hpp"
 #include "studies/field_point.hpp"
-#include "studies/measure.hpp"
+#include "studies/measured.hpp"
 
 namespace hourglass {
-
-/// Mean of the frames in a window of time.
-struct FrameMean {
-  std::string quantity;
-  double value = 0, from = 0, to = 0;
-};
 
 class FieldMeasure {
  public:
   /// Reads the options. Throws std::invalid_argument if one is wrong, std::runtime_error if the run has no fields.
   FieldMeasure(const std::filesystem::path& run, const Scene& scene, const MeasureOptions& options);
 
-  /// quasi_static.csv, a row each frame, and its plot; returns the means over the frames between two times, or the last
-  /// frame if none is.
-  std::vector<FrameMean> quasi_static(double from, double to) const;
+  /// quasi_static.csv, a row each frame, and its plot; the means over the frames between two times, or the last frame if
+  /// none is.
+  void quasi_static(double from, double to, Measured& out) const;
   /// profiles.csv and plots; nothing without lines.
-  void profiles(double from, double to) const;
+  void profiles(double from, double to, Measured& out) const;
   /// probes.csv and plots; nothing without probes.
-  void probes() const;
+  void probes(Measured& out) const;
 
  private:
   struct Line {
@@ -50,9 +43,7 @@ class FieldMeasure {
   std::vector<double> values_at(const FieldPoint& point, const Frame& frame) const;
   Values along(const Line& line, const std::vector<int>& frames) const;
   std::string axis_title(const std::string& field) const;
-  void draw(const std::string& name, const Chart& chart) const;
 
-  std::filesystem::path run_;
   const Scene& scene_;
   FieldReader reader_;
   std::unique_ptr<Geometry> geometry_;

@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <map>
+#include <cstdio>
 #include <optional>
 #include <stdexcept>
 
@@ -21,27 +20,9 @@ namespace hourglass {
 namespace fs = std::filesystem;
 namespace {
 
-/// The numbers of a table by column; what is none is NaN.
-std::map<std::string, std::vector<double>> columns_of(const fs::path& path) {
-  const std::vector<std::vector<std::string>> rows = csv_rows(text_at(path));
-  if (rows.size() < 2) throw std::invalid_argument(path.string() + ": has no rows yet");
-  std::map<std::string, std::vector<double>> columns;
-  for (std::size_t c = 0; c < rows[0].size(); ++c) {
-    std::vector<double>& column = columns[rows[0][c]];
-    for (std::size_t k = 1; k < rows.size(); ++k) {
-      char* end = nullptr;
-      const char* begin = rows[k].at(c).c_str();
-      const double value = std::strtod(begin, &end);
-      column.push_back(end == begin ? std::numeric_limits<double>::quiet_NaN() : value);
-    }
-  }
-  return columns;
-}
-
 class RunMeasure {
  public:
-  RunMeasure(const fs::path& run, const MeasureOptions& options)
-      : run_(run), columns_(columns_of(run / "series.csv")) {
+  RunMeasure(const fs::path& run, const MeasureOptions& options) : columns_(csv_columns(run / "series.csv")) {
     const Loaded loaded = load_scene(run / "scene.yaml");
     if (!loaded.ok()) throw std::invalid_argument(loaded.diagnostics.front().text());
     scene_ = loaded.scene;
@@ -52,32 +33,28 @@ class RunMeasure {
           fmt::format("{}: has no fields to measure along lines, at probes or by other thresholds. Run the "
                       "scene with output.fields_every above 0.",
                       run.string()));
-    fs::create_directories(run / "plots");
   }
 
-  void all() {
+  Measured all() {
     if (scene_.model == Model::mu_I) {  // others have one row, and the discharge that they were given
       discharge_rate();
       for (std::size_t m = 1; m < scene_.materials.size(); ++m) tracer(scene_.materials[m].name);
       if (!shares_.empty()) step_plots();
     }
     if (fields_) fields();
-    write_atomically(run_ / "measure.csv", table_);
-    fmt::print("{}\n", (run_ / "measure.csv").string());
+    std::string table = "quantity,value,standard_error,from,to\n";
+    for (const Measured::Figure& f : out_.figures)
+      table += csv_row({f.quantity, fmt::format("{}", f.value),
+                        f.standard_error ? fmt::format("{}", *f.standard_error) : "",
+                        fmt::format("{}", f.from), fmt::format("{}", f.to)});
+    out_.tables.emplace_back("measure.csv", table);
+    return std::move(out_);
   }
 
  private:
   void add(const std::string& quantity, double value, const std::string& unit,
            std::optional<double> error = {}) {
-    table_ += csv_row({quantity, fmt::format("{}", value), error ? fmt::format("{}", *error) : "",
-                       fmt::format("{}", window_.from), fmt::format("{}", window_.to)});
-    fmt::print("{}: {:.6g}{}{}{}\n", quantity, value, error ? fmt::format(" ± {:.2g}", *error) : "",
-               unit.empty() ? "" : " ", unit);
-  }
-  void add(const FrameMean& mean) {
-    table_ += csv_row({mean.quantity, fmt::format("{}", mean.value), "", fmt::format("{}", mean.from),
-                       fmt::format("{}", mean.to)});
-    fmt::print("{}: {:.4g}\n", mean.quantity, mean.value);
+    out_.figures.push_back({quantity, value, unit, error, window_.from, window_.to});
   }
   std::string title(const std::string& what, const std::string& unit) const {
     return fmt::format("{} [{}]", what, unit_text(unit, scene_.units));
@@ -158,33 +135,57 @@ class RunMeasure {
       for (const auto& [name, response] : shares_) cells.push_back(fmt::format("{}", response.F[i]));
       text += csv_row(cells);
     }
-    write_atomically(run_ / "step_change.csv", text);
-    write_atomically(run_ / "residence_time.csv", residence_text);
+    out_.tables.emplace_back("step_change.csv", text);
+    out_.tables.emplace_back("residence_time.csv", residence_text);
     draw("step_change.png", share);
     draw("step_change_drained.png", drained);
     draw("residence_time.png", residence);
   }
 
   void fields() {
-    for (const FrameMean& mean : fields_->quasi_static(window_.from, window_.to)) add(mean);
-    fields_->profiles(window_.from, window_.to);
-    fields_->probes();
+    fields_->quasi_static(window_.from, window_.to, out_);
+    fields_->profiles(window_.from, window_.to, out_);
+    fields_->probes(out_);
   }
 
-  void draw(const std::string& name, const Chart& chart) const { draw_chart(chart, run_ / "plots" / name); }
+  void draw(const std::string& name, const Chart& chart) { out_.charts.emplace_back(name, chart); }
 
-  fs::path run_;
-  std::map<std::string, std::vector<double>> columns_;
+  CsvColumns columns_;
   Scene scene_;
   std::optional<FieldMeasure> fields_;
   DischargeWindow window_;
-  std::string table_ = "quantity,value,standard_error,from,to\n";
+  Measured out_;
   std::vector<std::pair<std::string, StepResponse>> shares_;  ///< by material beyond the first
 };
 
 }  // namespace
 
-void measure_run(const fs::path& run, const MeasureOptions& options) { RunMeasure(run, options).all(); }
+Measured measured_run(const fs::path& run, const MeasureOptions& options) {
+  return RunMeasure(run, options).all();
+}
+
+void Measured::write(const fs::path& folder) const {
+  fs::create_directories(folder / "plots");
+  std::vector<fs::path> old;  // of an earlier call, which had other lines and fields
+  for (const std::string kind : {"profile_", "probes_"})
+    if (std::ranges::any_of(charts, [&](const auto& chart) { return chart.first.starts_with(kind); }))
+      for (const auto& entry : fs::directory_iterator(folder / "plots"))
+        if (entry.path().filename().string().starts_with(kind)) old.push_back(entry.path());
+  for (const fs::path& path : old) fs::remove(path);
+  for (const auto& [name, text] : tables) write_atomically(folder / name, text);
+  for (const Figure& f : figures)
+    fmt::print("{}: {:.6g}{}{}{}\n", f.quantity, f.value,
+               f.standard_error ? fmt::format(" ± {:.2g}", *f.standard_error) : "", f.unit.empty() ? "" : " ",
+               f.unit);
+  for (const std::string& note : notes) fmt::print("{}\n", note);
+  for (const auto& [name, text] : tables) fmt::print("{}\n", (folder / name).string());
+  std::fflush(stdout);
+  for (const auto& [name, chart] : charts) draw_chart(chart, folder / "plots" / name);
+}
+
+void measure_run(const fs::path& run, const MeasureOptions& options) {
+  measured_run(run, options).write(run);
+}
 
 void measure(const fs::path& folder, const MeasureOptions& options) {
   if (fs::exists(folder / "results.csv")) {

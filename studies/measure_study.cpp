@@ -16,7 +16,7 @@
 #include "io/scene_yaml.hpp"
 #include "solver/diagnostics.hpp"
 #include "studies/beverloo.hpp"
-#include "studies/measure.hpp"
+#include "studies/measured.hpp"
 
 namespace hourglass {
 namespace fs = std::filesystem;
@@ -49,18 +49,16 @@ class StudyMeasure {
   explicit StudyMeasure(const fs::path& folder) : folder_(folder) {
     read();
     find_groups();
-    fs::create_directories(folder / "plots");
   }
 
-  void all() {
+  Measured all() {
     curves();
     std::string text = csv_row(
         {"runs", "points", "fit", "C", "C_interval", "k", "k_interval", "n", "n_interval", "residual"});
     const std::size_t head = text.size();
     for (const std::vector<std::size_t>& group : groups_) text += beverloo(group);
-    if (text.size() == head) return;
-    write_atomically(folder_ / "fit.csv", text);
-    fmt::print("{}\n", (folder_ / "fit.csv").string());
+    if (text.size() > head) out_.tables.emplace_back("fit.csv", text);
+    return std::move(out_);
   }
 
  private:
@@ -171,14 +169,13 @@ class StudyMeasure {
     normalised.lines.push_back({ReferenceLine::Way::horizontal, 1, ""});
     const auto [least, greatest] = std::ranges::minmax(raw.series[0].x);
     if (least > 0 && greatest > 50 * least) raw.x.log = normalised.x.log = true;
-    write_atomically(folder_ / "curves.csv", text);
+    out_.tables.emplace_back("curves.csv", text);
     draw("discharge_rate.png", raw);
     draw("normalised.png", normalised);
-    fmt::print("{}\n", (folder_ / "curves.csv").string());
   }
 
   /// The lowest point that has a recovery after it.
-  void tell_dip(const Line& line, const Series& series) const {
+  void tell_dip(const Line& line, const Series& series) {
     double low = 1 - noticed, at = unknown, back = 0, after = 0;  // after: the largest rate behind the point
     for (std::size_t i = series.y.size(); i-- > 0;) {
       const double y = series.y[i];
@@ -186,8 +183,9 @@ class StudyMeasure {
       if (std::isfinite(y)) after = std::max(after, y);
     }
     if (std::isfinite(at))
-      fmt::print("{}{}a dip of {:.1f} % at {}, then back to {:.1f} % of the first\n", line.name,
-                 line.name.empty() ? "" : ": ", 100 * (1 - low), at, 100 * back);
+      out_.notes.push_back(fmt::format("{}{}a dip of {:.1f} % at {}, then back to {:.1f} % of the first",
+                                       line.name, line.name.empty() ? "" : ": ", 100 * (1 - low), at,
+                                       100 * back));
   }
 
   // ---- the law of Beverloo -----------------------------------------------------------------------------------
@@ -243,8 +241,9 @@ class StudyMeasure {
         }
         cells.push_back(fmt::format("{}", fit.residual));
         text += csv_row(cells);
-        fmt::print("{}{}{}: {}, residual {:.3g}\n", lines[l].name, lines[l].name.empty() ? "" : ", ",
-                   models[f].name, fmt::join(told, ", "), fit.residual);
+        out_.notes.push_back(fmt::format("{}{}{}: {}, residual {:.3g}", lines[l].name,
+                                         lines[l].name.empty() ? "" : ", ", models[f].name,
+                                         fmt::join(told, ", "), fit.residual));
         if (f < 2) show(chart, lines[l].name, points, fit, f == 0, static_cast<int>(l));
       }
     }
@@ -292,18 +291,19 @@ class StudyMeasure {
     chart.series.push_back(line);
   }
 
-  void draw(const std::string& name, const Chart& chart) const {
-    draw_chart(chart, folder_ / "plots" / name);
-  }
+  void draw(const std::string& name, const Chart& chart) { out_.charts.emplace_back(name, chart); }
 
   fs::path folder_;
   std::vector<std::string> axes_;
   std::vector<Row> rows_;
   std::vector<std::vector<std::size_t>> groups_;  ///< axes by number
+  Measured out_;
 };
 
 }  // namespace
 
-void measure_study(const fs::path& folder) { StudyMeasure(folder).all(); }
+Measured measured_study(const fs::path& folder) { return StudyMeasure(folder).all(); }
+
+void measure_study(const fs::path& folder) { measured_study(folder).write(folder); }
 
 }  // namespace hourglass

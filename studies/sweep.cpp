@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <map>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <thread>
 
@@ -14,6 +16,7 @@
 #include "io/scene_yaml.hpp"
 #include "studies/child.hpp"
 #include "studies/run_time.hpp"
+#include "studies/slurm.hpp"
 #include "studies/study.hpp"
 #include "studies/sweep_table.hpp"
 
@@ -25,7 +28,10 @@ using Clock = std::chrono::steady_clock;
 
 constexpr long small_cells = 256L * 256;  ///< a run of so many gains little from a second thread
 constexpr const char* own_files[] = {"study.yaml", "results.csv"};
-constexpr const char* own_folders[] = {"inputs", "logs", "runs"};
+constexpr const char *own_folders[] = {"inputs", "logs", "runs"}, *job_folder = "slurm";
+constexpr std::chrono::seconds between_questions(1);  ///< to Slurm
+constexpr int patience =
+    5;  ///< questions until a task is lost that is neither in the queue nor has left anything
 
 std::string last_line(const std::string& text) {
   const std::size_t end = text.find_last_not_of("\r\n ");
@@ -54,35 +60,34 @@ class Sweep {
       total += seconds_[r];
     }
     fmt::print("{} runs, about {} in all\n", runs_.size(), duration_text(total / at_once()));
-    return {static_cast<int>(runs_.size()), 0, false};
+    return {.runs = static_cast<int>(runs_.size())};
   }
 
   SweepResult to_end() {
+    if (o_.executor == Executor::slurm) slurm_.emplace(folder_);
     const FolderLock lock(folder_, "sweep");
+    leave_jobs_alone();
     prepare();
     table_.emplace(folder_ / "results.csv", study_.axes, runs_);
-    std::size_t next = 0;
-    for (;;) {
-      interrupted_ = interrupted_ || std::ranges::any_of(o_.observers, [](Observer* observer) {
-                       return !observer->interrupt().empty();
-                     });
-      if (interrupted_ && !told_) {
-        for (Going& going : going_) going.child.terminate();
-        told_ = true;
-      }
-      for (; !interrupted_ && next < runs_.size() && begin(next); ++next) {
-      }
-      collect();
-      if (going_.empty() && (interrupted_ || next == runs_.size())) break;
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
+    if (slurm_)
+      by_slurm();
+    else
+      here();
     const int failed = table_->failed();
     if (interrupted_)
-      fmt::print("interrupted with {} of {} runs done; the same command goes on from here\n", table_->size(),
-                 runs_.size());
+      fmt::print("interrupted with {} of {} runs done; the same command goes on from here{}\n",
+                 table_->size(), runs_.size(),
+                 slurm_ && !slurm_->jobs().empty()
+                     ? fmt::format(". Slurm works on: scancel {} ends it", slurm_->jobs())
+                     : "");
+    else if (lost_ > 0)
+      fmt::print(stderr,
+                 "{} of {} runs were ended by Slurm, not by themselves (sacct -j {} says why); the same "
+                 "command tries them again\n",
+                 lost_, runs_.size(), slurm_->jobs(","));
     else
       fmt::print("{}: {} runs, {} failed\n", (folder_ / "results.csv").string(), runs_.size(), failed);
-    return {static_cast<int>(runs_.size()), failed, interrupted_};
+    return {static_cast<int>(runs_.size()), failed, lost_, interrupted_};
   }
 
  private:
@@ -97,11 +102,103 @@ class Sweep {
   fs::path input(std::size_t r) const { return folder_ / "inputs" / (runs_[r].name + ".yaml"); }
   fs::path log(std::size_t r) const { return folder_ / "logs" / (runs_[r].name + ".txt"); }
 
+  void look_for_interrupt() {
+    interrupted_ = interrupted_ || std::ranges::any_of(o_.observers, [](Observer* observer) {
+                     return !observer->interrupt().empty();
+                   });
+  }
+
+  // ---- by processes of this one ------------------------------------------------------------------------------
+
+  void here() {
+    std::size_t next = 0;
+    for (;;) {
+      look_for_interrupt();
+      if (interrupted_ && !told_) {
+        for (Going& going : going_) going.child.terminate();
+        told_ = true;
+      }
+      for (; !interrupted_ && next < runs_.size() && begin(next); ++next) {
+      }
+      collect();
+      if (going_.empty() && (interrupted_ || next == runs_.size())) break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  }
+
+  // ---- by Slurm ----------------------------------------------------------------------------------------------
+
+  /// Throws std::invalid_argument where two would work on the same runs.
+  void leave_jobs_alone() const {
+    if (!Slurm::used(folder_) || !Slurm::missing().empty() || (slurm_ && !o_.force)) return;
+    const Slurm before(folder_);
+    if (const auto alive = before.alive(); !alive || !alive->empty())
+      throw std::invalid_argument(fmt::format(
+          "{}: Slurm is at work in it (job {}). Go on with --executor slurm, or end it with scancel first.",
+          folder_.string(), before.jobs()));
+  }
+
+  /// What is known of a run that has ended of its own.
+  std::optional<SweepTable::Cells> ended(std::size_t r) const {
+    auto found = summary_of(run_folder(r));
+    if (found) return found->at("status") != "interrupted" ? found : std::nullopt;
+    if (!fs::exists(run_folder(r))) return std::nullopt;  // somebody wants it tried again
+    const auto end = slurm_->end_of(runs_[r].name);
+    return end ? std::optional(failed_cells(r, end->wait_status, end->seconds)) : std::nullopt;
+  }
+
+  void by_slurm() {
+    std::map<std::size_t, int> waiting;  // how often it was missed, by run
+    for (std::size_t r = 0; r < runs_.size(); ++r) {
+      if (table_->has(r)) continue;
+      if (const auto found = ended(r))
+        settle(r, *found);
+      else
+        waiting[r] = 0;
+    }
+    look_for_interrupt();
+    auto alive = slurm_->alive();
+    while (!alive && !interrupted_) alive = asked_again();
+    std::vector<std::string> fresh;
+    int cores = 1;
+    for (const auto& [r, missed] : waiting)
+      if (alive && !alive->contains(runs_[r].name)) {
+        fresh.push_back(runs_[r].name);
+        cores = std::max(cores, threads(r));
+      }
+    if (!fresh.empty() && !interrupted_) slurm_->submit(fresh, o_.program, cores, o_.jobs);
+    if (!waiting.empty()) fmt::print("{} runs with Slurm, job {}\n", waiting.size(), slurm_->jobs());
+    std::fflush(stdout);
+    while (!waiting.empty() && !interrupted_) {
+      alive = asked_again();
+      for (auto at = waiting.begin(); alive && at != waiting.end();) {
+        const std::size_t r = at->first;
+        const bool in_queue = alive->contains(runs_[r].name);
+        const auto found = in_queue && !slurm_->end_of(runs_[r].name) ? std::nullopt : ended(r);
+        if (found) settle(r, *found);
+        const bool is_lost = !found && !in_queue && ++at->second == patience;
+        lost_ += is_lost;
+        at = found || is_lost ? waiting.erase(at) : std::next(at);
+      }
+    }
+  }
+
+  std::optional<std::set<std::string>> asked_again() {
+    for (int k = 0; k < 50 && !interrupted_; ++k) {
+      std::this_thread::sleep_for(between_questions / 50);
+      look_for_interrupt();
+    }
+    const auto alive = slurm_->alive();
+    if (!alive && !silent_) fmt::print(stderr, "squeue has no answer; waiting for it\n");
+    silent_ = !alive;
+    return alive;
+  }
+
   // ---- cores -------------------------------------------------------------------------------------------------
 
   int threads(std::size_t r) const {
     if (runs_[r].scene.patch().cells() <= small_cells) return 1;
-    return o_.jobs > 0 ? std::max(1, cores_ / o_.jobs) : cores_;
+    return o_.jobs > 0 && !slurm_ ? std::max(1, cores_ / o_.jobs) : cores_;
   }
   bool room_for(std::size_t r) const {
     if (o_.jobs > 0) return std::ssize(going_) < o_.jobs;
@@ -129,6 +226,7 @@ class Sweep {
     if (o_.force) {
       for (const char* name : own_files) fs::remove(folder_ / name);
       for (const char* name : own_folders) fs::remove_all(folder_ / name);
+      fs::remove_all(folder_ / job_folder);
     }
     for (std::size_t r = 0; r < runs_.size(); ++r)
       if (const std::string before = text_at(input(r)); !before.empty() && before != to_yaml(runs_[r].scene))
@@ -172,16 +270,21 @@ class Sweep {
       going_.erase(going_.begin() + static_cast<std::ptrdiff_t>(k));
       auto found = summary_of(run_folder(r));
       if (interrupted_ && (!found || found->at("status") == "interrupted")) continue;  // again next time
-      if (!found) {
-        const std::string words = last_line(text_at(log(r)));
-        found =
-            SweepTable::Cells{{"status", "failed"},
-                              {"wall_seconds", fmt::format("{:.3f}", seconds)},
-                              {"reason", text_of_wait_status(*status) + (words.empty() ? "" : ": " + words)}};
-      }
-      if (found->at("status") != "failed") fs::remove(log(r));  // run.log has it all
-      add(r, *found);
+      settle(r, found ? *found : failed_cells(r, *status, seconds));
     }
+  }
+
+  /// Of a run that ended without a summary.
+  SweepTable::Cells failed_cells(std::size_t r, int wait_status, double seconds) const {
+    const std::string words = last_line(text_at(log(r)));
+    return {{"status", "failed"},
+            {"wall_seconds", fmt::format("{:.3f}", seconds)},
+            {"reason", text_of_wait_status(wait_status) + (words.empty() ? "" : ": " + words)}};
+  }
+
+  void settle(std::size_t r, const SweepTable::Cells& cells) {
+    if (cells.at("status") != "failed") fs::remove(log(r));  // run.log has it all
+    add(r, cells);
   }
 
   void add(std::size_t r, const SweepTable::Cells& cells) {
@@ -211,7 +314,9 @@ class Sweep {
   std::vector<double> seconds_;  ///< by run, foreseen on one thread
   std::optional<SweepTable> table_;
   std::vector<Going> going_;
-  bool interrupted_ = false, told_ = false;
+  std::optional<Slurm> slurm_;
+  int lost_ = 0;
+  bool interrupted_ = false, told_ = false, silent_ = false;
   double spent_ = 0, foreseen_ = 0;  ///< of the runs done by this call
 };
 

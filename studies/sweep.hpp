@@ -1,6 +1,7 @@
 #pragma once
 // `hourglass sweep`: the runs of a study, several at a time, each in a process of its own: one that crashes is a row of
 // the table and ends nothing else. What is in a folder of a sweep: docs/studies.md.
+#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -9,11 +10,17 @@
 
 namespace hourglass {
 
+/// Where runs are executed: by this process, or by Slurm, which goes on without it.
+enum class Executor { local, slurm };
+inline constexpr std::array executor_names{"local", "slurm"};
+
 struct SweepOptions {
   std::filesystem::path study;
   std::filesystem::path out{};  ///< empty: sweeps/<name of the study>
-  int jobs = 0;                 ///< runs at a time; 0: as many as the cores can take, by the cells of each
-  bool force = false;           ///< without what is in the folder
+  Executor executor = Executor::local;
+  /// Runs at a time; 0: as many as the cores can take, by the cells of each, or as Slurm likes.
+  int jobs = 0;
+  bool force = false;  ///< without what is in the folder
   bool dry_run = false;
   std::vector<Observer*> observers{};  ///< asked whether to stop
   std::filesystem::path program =
@@ -22,6 +29,7 @@ struct SweepOptions {
 
 struct SweepResult {
   int runs = 0, failed = 0;
+  int lost = 0;              ///< whose task ended without a word; the same call tries again
   bool interrupted = false;  ///< the same call goes on
 };
 

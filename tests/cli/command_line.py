@@ -54,7 +54,7 @@ class CommandLine(unittest.TestCase):
 
     def test_help_and_version(self):
         for command in ([], ["run"], ["check"], ["plan"], ["limits"], ["render"], ["trade"], ["fit"], ["sweep"],
-                        ["measure"]):
+                        ["measure"], ["report"]):
             result = self.hourglass(*command, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("--help", result.stdout)
@@ -434,6 +434,13 @@ class CommandLine(unittest.TestCase):
         self.refuse("sweep", "study.yaml", says=["study.yaml:3 time.end: -2", "(run 0002: time.end=-2)"])
         self.refuse("sweep", "study.yaml", "--jobs", "0")
         self.refuse("sweep", "study.yaml", "--executor", "cloud", says=["--executor"])
+        self.study("axes: {time.end: [1, 2]}")
+        path = os.environ["PATH"]
+        try:
+            os.environ["PATH"] = "/nowhere"
+            self.refuse("sweep", "study.yaml", "--executor", "slurm", says=["--executor slurm: there is no sbatch here"])
+        finally:
+            os.environ["PATH"] = path
         with open(self.path("study.yaml"), "w") as file:
             file.write("scene: nowhere.yaml\naxes: {time.end: [1, 2]}\n")
         self.refuse("sweep", "study.yaml", says=["nowhere.yaml: no such file"])

@@ -213,6 +213,15 @@ TEST_CASE("what a model cannot honour is refused, what it does not use is said")
   s.orifices[0].centre = 0;
   CHECK(refused(s, "radial.half_angle", "beyond the mass-flow limit, 38.0 degrees"));
 
+  s = scene_of(Model::radial);
+  s.hopper.emplace();
+  s.hopper->half_angle = 15;  // up to y = 245
+  CHECK_FALSE(warned(s, "fill", "hopper's walls end"));
+  s.hopper->half_angle = *(s.radial->half_angle = 45);
+  CHECK(warned(s, "fill", "grains reach y = 135, but the hopper's walls end at 65.625"));
+  s.fill = {fill_box(0, 0, 150, 0, 65)};
+  CHECK_FALSE(warned(s, "fill", "hopper's walls end"));
+
   s = scene_of(Model::kinematic);
   CHECK(check(s).empty());
   s.time.end = 10;

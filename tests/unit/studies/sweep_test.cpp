@@ -1,5 +1,7 @@
 #include "studies/sweep.hpp"
 
+#include <stdlib.h>
+
 #include <catch2/catch.hpp>
 #include <csignal>
 
@@ -53,6 +55,66 @@ class StudyOfSix {
 
  private:
   TestFolder folder_;
+};
+
+// Stand for Slurm: sbatch does all tasks at once, but for those in the file `skipped`; squeue tells what is in `queue`.
+constexpr const char* stand_in_sbatch = R"sh(#!/bin/sh
+for word; do
+  case "$word" in
+    --array=0-*) last=${word#--array=0-};;
+    --*) ;;
+    *) break;;
+  esac
+  shift
+done
+here=$(dirname "$0")
+echo "$*" >> "$here/submitted"
+shift $(($# - 4))
+for task in $(seq 0 "${last%\%*}"); do
+  grep -qx "$task" "$here/skipped" || SLURM_ARRAY_TASK_ID=$task bash "$@" 2>/dev/null
+done
+echo "17;cluster"
+)sh";
+constexpr const char* stand_in_squeue = R"sh(#!/bin/sh
+cat "$(dirname "$0")/queue"
+)sh";
+
+/// A study with these two first on the PATH.
+class StudyWithSlurm : public StudyOfSix {
+ public:
+  StudyWithSlurm() {
+    const fs::path bin = folder() / "bin";
+    fs::create_directories(bin);
+    write_atomically(bin / "sbatch", stand_in_sbatch);
+    write_atomically(bin / "squeue", stand_in_squeue);
+    for (const char* name : {"sbatch", "squeue"}) fs::permissions(bin / name, fs::perms::owner_all);
+    say("skipped", "");
+    say("queue", "");
+    ::setenv("PATH", (bin.string() + ":" + path_).c_str(), 1);
+  }
+  ~StudyWithSlurm() { ::setenv("PATH", path_.c_str(), 1); }
+  void say(const std::string& file, const std::string& text) const {
+    write_atomically(folder() / "bin" / file, text);
+  }
+  SweepOptions by_slurm() const {
+    SweepOptions o = options(0);
+    o.executor = Executor::slurm;
+    return o;
+  }
+  long submitted() const {
+    const std::string text = text_at(folder() / "bin/submitted");
+    return std::count(text.begin(), text.end(), '\n');
+  }
+  /// Without the times.
+  std::vector<std::vector<std::string>> rows() const {
+    auto rows = csv_rows(table());
+    const auto at = std::ranges::find(rows[0], "wall_seconds") - rows[0].begin();
+    for (auto& row : rows) row.erase(row.begin() + at);
+    return rows;
+  }
+
+ private:
+  std::string path_ = std::getenv("PATH");
 };
 
 class StopsAtOnce : public Observer {
@@ -146,4 +208,71 @@ TEST_CASE("a sweep that is told to stop begins no run, and a dry run writes noth
   options.observers = {&stops};
   CHECK(sweep(options).interrupted);
   CHECK(six.calls() == 0);
+}
+
+TEST_CASE("a sweep by Slurm: the same table, and the same causes of failure") {
+  const StudyWithSlurm six;
+  sweep(six.options(2));
+  const auto rows = six.rows();
+  fs::remove_all(six.folder() / "out");
+  CHECK(sweep(six.by_slurm()).failed == 3);
+  CHECK(six.rows() == rows);
+  CHECK(sweep(six.by_slurm()).failed == 3);
+  CHECK(six.submitted() == 1);
+  CHECK(six.calls() == 6);
+
+  // To try one again: without its row and its folder.
+  const auto lines = csv_rows(six.table());
+  std::string others;
+  for (std::size_t k = 0; k < lines.size(); ++k) others += k == 3 ? "" : csv_row(lines[k]);
+  write_atomically(six.folder() / "out/results.csv", others);
+  fs::remove_all(six.folder() / "out/runs/0003");
+  CHECK(sweep(six.by_slurm()).failed == 3);
+  CHECK(six.calls() == 7);
+  CHECK(six.rows() == rows);
+}
+
+TEST_CASE("a sweep by Slurm: what it ended is lost, and tried again by the next call") {
+  const StudyWithSlurm six;
+  six.say("skipped", "0\n4\n");
+  const SweepResult first = sweep(six.by_slurm());
+  CHECK(first.lost == 2);
+  CHECK(csv_rows(six.table()).size() == 5);
+  six.say("skipped", "");
+  const SweepResult second = sweep(six.by_slurm());
+  CHECK(second.lost == 0);
+  CHECK(csv_rows(six.table()).size() == 7);
+  CHECK(six.submitted() == 2);
+  CHECK(six.calls() == 6);
+  CHECK_THAT(text_at(six.folder() / "out/slurm/runs_2.txt"), Catch::Equals("0001\n0005\n"));
+}
+
+TEST_CASE("a sweep by Slurm: what is in its queue is left to it") {
+  const StudyWithSlurm six;
+  six.say("skipped", "0\n4\n");
+  sweep(six.by_slurm());
+  six.say("queue", "16 0\n17 4\n");  // another's job, and run 0005
+  CHECK_THROWS_WITH(sweep(six.options(1)), Contains("Slurm is at work in it (job 17)"));
+  SweepOptions force = six.by_slurm();
+  force.force = true;
+  CHECK_THROWS_WITH(sweep(force), Contains("end it with scancel first"));
+  StopsAtOnce stops;
+  SweepOptions options = six.by_slurm();
+  options.observers = {&stops};
+  CHECK(sweep(options).interrupted);
+  six.say("queue", "");
+  CHECK(sweep(six.options(1)).failed == 3);  // by this process, now that Slurm is done
+  CHECK(six.submitted() == 1);
+}
+
+TEST_CASE("a sweep by Slurm: without it, or refused by it, nothing is written") {
+  const StudyWithSlurm six;
+  six.say("sbatch", "#!/bin/sh\necho 'sbatch: error: invalid partition' >&2\nexit 1\n");
+  fs::permissions(six.folder() / "bin/sbatch", fs::perms::owner_all);
+  CHECK_THROWS_WITH(sweep(six.by_slurm()), Contains("exit status 1: sbatch: error: invalid partition"));
+  fs::remove_all(six.folder() / "out");
+  fs::remove(six.folder() / "bin/sbatch");
+  ::setenv("PATH", (six.folder() / "bin").c_str(), 1);
+  CHECK_THROWS_WITH(sweep(six.by_slurm()), Contains("there is no sbatch here"));
+  CHECK_FALSE(fs::exists(six.folder() / "out"));
 }
