@@ -20,6 +20,14 @@ Enum named(const std::string& name, const std::array<const char*, n>& names) {
       static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin()) % n);
 }
 
+/// HDF5 writes a new length into the file before the file has it, and opens none that is shorter than it says: a kill in
+/// between would cost all frames. Longer is no matter; the next flush cuts off what is too much.
+void make_longer(const std::filesystem::path& path, std::size_t bytes) {
+  std::error_code error;
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) + bytes, error);
+  if (error) throw std::runtime_error(error.message());
+}
+
 /// Of a frame or an outline.
 std::string member_name(int number) { return fmt::format("{:06}", number); }
 
@@ -205,9 +213,7 @@ void FieldWriter::write(const Frame& frame) {
   const std::size_t room = info_.patch.cells() * components * sizeof(float) + (sets + 4) * 8192;
   reserve_room(h5_, room);
   try {
-    // HDF5 writes the new length into the file before the file has it, and opens none that is shorter than it says. Longer
-    // is no matter: closing cuts off what is too much.
-    std::filesystem::resize_file(h5_, std::filesystem::file_size(h5_) + room);
+    make_longer(h5_, room);
     h5::Id file = h5::open(h5_, H5F_ACC_RDWR);
     const h5::Id group = h5::create_nameless_group(file);
     h5::write_attribute(group, "time", frame.t);
@@ -220,6 +226,7 @@ void FieldWriter::write(const Frame& frame) {
     // So far nothing that was in the file has changed but its recorded length. The name, which makes the frame
     // part of the file, is one write more: a run killed at any moment leaves a whole file.
     h5::checked(H5Fflush(file, H5F_SCOPE_GLOBAL), "flush");
+    make_longer(h5_, 8192);
     h5::link(group, h5::group(file, "frames"), name);
     file.close("close");
   } catch (const std::runtime_error& error) {

@@ -542,6 +542,7 @@ def main():
     parser.add_argument("--only", default="", help="faults whose function has this word in its name")
     parser.add_argument("--write", action="store_true", help="fill the table of docs/reliability.md")
     options = parser.parse_args()
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # under nohup runs would not hear it
     bench = Bench(options.program, options.kills)
     lines, failed = [], 0
     try:
