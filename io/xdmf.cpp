@@ -186,20 +186,29 @@ FieldWriter::FieldWriter(const std::filesystem::path& folder, const RunInfo& inf
     : h5_(folder / "fields.h5"), xdmf_(folder / "fields.xdmf"), info_(info), deflate_(deflate),
       frames_(frames) {
   try {
-    h5::Id file = h5::open(h5_, H5F_ACC_RDWR);
+    int stored = 0;
     {
-      const h5::Id all = h5::group(file, "frames");
-      const int stored = static_cast<int>(h5::member_count(all));
+      const h5::Id file = h5::open(h5_, H5F_ACC_RDONLY), all = h5::group(file, "frames");
+      stored = static_cast<int>(h5::member_count(all));
       if (stored < frames)
         throw std::runtime_error(fmt::format("holds {} frames, and must hold {}", stored, frames));
-      for (int k = stored - 1; k >= frames; --k)
-        h5::checked(H5Ldelete(all, member_name(k).c_str(), H5P_DEFAULT), "frame " + member_name(k));
       for (int k = 0; k < frames; ++k) {
         const std::string name = member_name(k);
         grids_ += xdmf_grid(name, info_, h5::read_number(h5::group(all, name), "time"), fields);
       }
     }
-    file.close("close");
+    if (stored > frames) {  // in a copy: HDF5 cuts off the end of a file before it notes the new length in it
+      const std::filesystem::path beside = h5_.string() + ".new";
+      std::filesystem::copy_file(h5_, beside, std::filesystem::copy_options::overwrite_existing);
+      h5::Id file = h5::open(beside, H5F_ACC_RDWR);
+      {
+        const h5::Id all = h5::group(file, "frames");
+        for (int k = stored - 1; k >= frames; --k)
+          h5::checked(H5Ldelete(all, member_name(k).c_str(), H5P_DEFAULT), "frame " + member_name(k));
+      }
+      file.close("close");
+      std::filesystem::rename(beside, h5_);
+    }
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(fmt::format("{}: {}", h5_.string(), error.what()));
   }
