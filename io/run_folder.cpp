@@ -265,10 +265,11 @@ struct RunFolder::Impl {
     walk(checkpoint);
     if (!fs::exists(series_path()) || fs::file_size(series_path()) < series_bytes)
       refuse(path, "series.csv is shorter than when the checkpoint was written; run again with --force");
-    if (scene.output.fields_every > 0)
-      frames.emplace(path, info, stored, frames_before, scene.output.compression);
+    // Rows first: at no moment is there a row without its frame.
     fs::resize_file(series_path(), series_bytes);
     series.emplace(series_path());
+    if (scene.output.fields_every > 0)
+      frames.emplace(path, info, stored, frames_before, scene.output.compression);
     for (const fs::path& picture : pictures_in(path / "snapshots", snapshots)) fs::remove(picture);
     fs::remove(path / "summary.json");
   }

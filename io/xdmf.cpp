@@ -20,6 +20,14 @@ Enum named(const std::string& name, const std::array<const char*, n>& names) {
       static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin()) % n);
 }
 
+/// HDF5 writes a new length into the file before the file has it, and opens none that is shorter than it says: a kill in
+/// between would cost all frames. Longer is no matter; the next flush cuts off what is too much.
+void make_longer(const std::filesystem::path& path, std::size_t bytes) {
+  std::error_code error;
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) + bytes, error);
+  if (error) throw std::runtime_error(error.message());
+}
+
 /// Of a frame or an outline.
 std::string member_name(int number) { return fmt::format("{:06}", number); }
 
@@ -179,20 +187,29 @@ FieldWriter::FieldWriter(const std::filesystem::path& folder, const RunInfo& inf
     : h5_(folder / "fields.h5"), xdmf_(folder / "fields.xdmf"), info_(info), deflate_(deflate),
       frames_(frames) {
   try {
-    h5::Id file = h5::open(h5_, H5F_ACC_RDWR);
+    int stored = 0;
     {
-      const h5::Id all = h5::group(file, "frames");
-      const int stored = static_cast<int>(h5::member_count(all));
+      const h5::Id file = h5::open(h5_, H5F_ACC_RDONLY), all = h5::group(file, "frames");
+      stored = static_cast<int>(h5::member_count(all));
       if (stored < frames)
         throw std::runtime_error(fmt::format("holds {} frames, and must hold {}", stored, frames));
-      for (int k = stored - 1; k >= frames; --k)
-        h5::checked(H5Ldelete(all, member_name(k).c_str(), H5P_DEFAULT), "frame " + member_name(k));
       for (int k = 0; k < frames; ++k) {
         const std::string name = member_name(k);
         grids_ += xdmf_grid(name, info_, h5::read_number(h5::group(all, name), "time"), fields);
       }
     }
-    file.close("close");
+    if (stored > frames) {  // in a copy: HDF5 cuts off the end of a file before it notes the new length in it
+      const std::filesystem::path beside = h5_.string() + ".new";
+      std::filesystem::copy_file(h5_, beside, std::filesystem::copy_options::overwrite_existing);
+      h5::Id file = h5::open(beside, H5F_ACC_RDWR);
+      {
+        const h5::Id all = h5::group(file, "frames");
+        for (int k = stored - 1; k >= frames; --k)
+          h5::checked(H5Ldelete(all, member_name(k).c_str(), H5P_DEFAULT), "frame " + member_name(k));
+      }
+      file.close("close");
+      std::filesystem::rename(beside, h5_);
+    }
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(fmt::format("{}: {}", h5_.string(), error.what()));
   }
@@ -206,9 +223,7 @@ void FieldWriter::write(const Frame& frame) {
   const std::size_t room = info_.patch.cells() * components * sizeof(float) + (sets + 4) * 8192;
   reserve_room(h5_, room);
   try {
-    // HDF5 writes the new length into the file before the file has it, and opens none that is shorter than it says. Longer
-    // is no matter: closing cuts off what is too much.
-    std::filesystem::resize_file(h5_, std::filesystem::file_size(h5_) + room);
+    make_longer(h5_, room);
     h5::Id file = h5::open(h5_, H5F_ACC_RDWR);
     const h5::Id group = h5::create_nameless_group(file);
     h5::write_attribute(group, "time", frame.t);
@@ -221,6 +236,7 @@ void FieldWriter::write(const Frame& frame) {
     // So far nothing that was in the file has changed but its recorded length. The name, which makes the frame
     // part of the file, is one write more: a run killed at any moment leaves a whole file.
     h5::checked(H5Fflush(file, H5F_SCOPE_GLOBAL), "flush");
+    make_longer(h5_, 8192);
     h5::link(group, h5::group(file, "frames"), name);
     file.close("close");
   } catch (const std::runtime_error& error) {

@@ -208,6 +208,51 @@ def kill_in_checkpoint(b):
     return f"{tried} of {tried} resumed, equal to the last bit"
 
 
+@fault("SIGKILL before every single write to fields.h5 and checkpoint.h5, of a run, and of a resumed one that first removes later frames",
+       "fields.h5 can be read, with every frame whose writing had ended")
+def kill_in_frame(b):
+    needs("strace")
+    short = ("--set", "time.max_steps=12")
+    for out, steps in (("few", 12), ("later", 6)):
+        result = b.run(out, "--set", f"time.max_steps={steps}")
+        check(result.returncode == 0, result.stderr)
+    with open(b.path("later", "checkpoint.h5"), "rb") as file:
+        early = file.read()
+    result = b.run("later", "--resume", *short)
+    check(result.returncode == 0, result.stderr)
+    with open(b.path("later", "checkpoint.h5"), "wb") as file:
+        file.write(early)
+    os.remove(b.path("later", "summary.json"))
+    whole, tried, resumed = b.frames("few"), 0, 0
+    for begin in ("", "later"):
+        least = 0 if not begin else 3
+        for number in range(1, 1000):
+            out = f"write{begin}{number}"
+            if begin:
+                shutil.copytree(b.path(begin), b.path(out))
+            log = b.path("calls")
+            result = b.run(out, "--resume", *short, before=["strace", "-f", "-o", log, "-e", "trace=pwrite64,ftruncate", "-e",
+                                                            f"inject=pwrite64,ftruncate:signal=KILL:when={number}"])
+            if result.returncode == 0:
+                break
+            check(result.returncode in (-9, 137), f"exit status {result.returncode}: {result.stderr}")
+            tried += 1
+            if os.path.exists(b.path(out, "fields.xdmf")):  # which is written behind each frame
+                frames = b.frames(out)
+                with open(b.path(out, "fields.xdmf")) as file:
+                    named = file.read().count("<Time ")
+                check(len(frames) >= (least if begin else named), f"write {number}: {len(frames)} frames of {named}")
+                check(same_frames(frames, whole[:len(frames)]), f"write {number}: frames differ")
+            if number % 7 == 0:
+                again = b.run(out, "--resume", *short)
+                check(again.returncode == 0, again.stderr)
+                check(b.rows(out) == b.rows("few") and same_frames(b.frames(out), whole), f"write {number}: resumed differs")
+                resumed += 1
+            shutil.rmtree(b.path(out))
+    check(tried > 50, f"only {tried} kills took place")
+    return f"{tried} of {tried} can be read; {resumed} of {resumed} resumed, equal to the last bit"
+
+
 @fault("SIGINT, SIGTERM, SIGHUP", "checkpoint, row, frame, summary; exit status 130, 143, 129; resumes")
 def signals(b):
     for number, status in ((signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)):
@@ -497,6 +542,7 @@ def main():
     parser.add_argument("--only", default="", help="faults whose function has this word in its name")
     parser.add_argument("--write", action="store_true", help="fill the table of docs/reliability.md")
     options = parser.parse_args()
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # under nohup runs would not hear it
     bench = Bench(options.program, options.kills)
     lines, failed = [], 0
     try:
@@ -507,7 +553,7 @@ def main():
                 outcome = function(bench)
             except Skip as why:
                 outcome = f"not tried: {why}"
-            except AssertionError as why:
+            except (AssertionError, OSError, subprocess.SubprocessError) as why:
                 failed += 1
                 outcome = f"**FAILED**: {why}"
             outcome = outcome.replace(bench.folder + "/", "").replace("|", r"\|").replace("\n", " ")
