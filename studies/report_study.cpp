@@ -62,8 +62,11 @@ class StudyReport {
     body += "<h2>The runs</h2>\n" + table();
     body += details();
     if (rows_.size() > 1) {
-      const SummaryFile first(folder_ / "runs" / rows_[1][0]);
-      body += "<h2>How it was made</h2>\n<p>As the first run was:</p>\n" + provenance_html(first);
+      std::size_t row = 1;  // the first that has a summary
+      while (row + 1 < rows_.size() && !fs::exists(folder_ / "runs" / rows_[row][0] / "summary.json")) ++row;
+      const SummaryFile first(folder_ / "runs" / rows_[row][0]);
+      body += fmt::format("<h2>How it was made</h2>\n<p>As run {} was:</p>\n", html_text(rows_[row][0])) +
+              provenance_html(first);
       body += "<h2>How to make it again</h2>\n" + again(first);
     }
     return html_page(name + ": report", body);
