@@ -55,7 +55,9 @@ class StudyReport {
     std::vector<Chart> plots;
     for (const auto& [file, chart] : measured_.charts) {
       plots.push_back(chart);
-      plots.back().title = spaced(fs::path(file).stem().string());  // the page names the study
+      std::string& title = plots.back().title;  // the page names the study
+      title = title.starts_with(name + ": ") ? title.substr(name.size() + 2)
+                                             : spaced(fs::path(file).stem().string());
     }
     if (const std::string drawn = charts_html(plots); !drawn.empty()) body += "<h2>Plots</h2>\n" + drawn;
     body += "<h2>What was asked</h2>\n" + axes();
