@@ -11,23 +11,27 @@ namespace hourglass {
 namespace {
 
 // Sizes in units of the picture, which is shown about as large.
-constexpr double width = 560, height = 350, top = 12, right = 18, foot = 50, text = 15, letter = 8.2;
+constexpr double width = 560, height = 350, top = 12, right = 18, foot = 50, letter = 8.2;
 constexpr std::size_t most_points = 800;  ///< of a line; more are thinned out
 
 std::string point(double x, double y) { return fmt::format("{:.1f} {:.1f}", x, y); }
 
-/// Numbers of the points of a line that are drawn: all, or of each of some stretches the first, the lowest and the highest.
+/// Numbers of the points of a line that are drawn: all, or of each of some stretches the first, the lowest and the
+/// highest, and the last of all.
 std::vector<std::size_t> thinned(const std::vector<double>& y) {
   std::vector<std::size_t> kept;
   const std::size_t n = y.size(), stretch = n <= most_points ? 1 : (3 * n + most_points - 1) / most_points;
+  const auto below = [](double a, double b) { return a < b || (std::isnan(b) && !std::isnan(a)); };
+  const auto above = [](double a, double b) { return a < b || (std::isnan(a) && !std::isnan(b)); };
   for (std::size_t k = 0; k < n; k += stretch) {
     const auto begin = y.begin() + static_cast<long>(k),
                end = y.begin() + static_cast<long>(std::min(k + stretch, n));
-    std::array of{k, static_cast<std::size_t>(std::min_element(begin, end) - y.begin()),
-                  static_cast<std::size_t>(std::max_element(begin, end) - y.begin())};
+    std::array of{k, static_cast<std::size_t>(std::min_element(begin, end, below) - y.begin()),
+                  static_cast<std::size_t>(std::max_element(begin, end, above) - y.begin())};
     std::ranges::sort(of);
     kept.insert(kept.end(), of.begin(), std::unique(of.begin(), of.end()));
   }
+  if (n > 0 && kept.back() != n - 1) kept.push_back(n - 1);
   return kept;
 }
 

@@ -82,7 +82,7 @@ button[aria-pressed=true]{border-color:var(--c0);box-shadow:inset 0 -3px 0 var(-
 @media print{:root{color-scheme:light;--page:#fff;--ink:#000;--soft:#444;--line:#bbb;--card:#f2f2f2;--link:#000}
 body{max-width:none;padding:0;font-size:10.5pt}.controls,.copy,.tip{display:none}
 figure,.cards div,tr,.viewer{break-inside:avoid}h2,h3{break-after:avoid}
-.scroll{overflow:visible}pre{white-space:pre-wrap}.charts{grid-template-columns:1fr 1fr}}
+.viewer{max-width:13cm}.scroll{overflow:visible}pre{white-space:pre-wrap}.charts{grid-template-columns:1fr 1fr}}
 )css";
 
 constexpr const char* script = R"js(

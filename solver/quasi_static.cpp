@@ -22,10 +22,18 @@ double share_above(const std::vector<FlatTop>& tops, const Patch& p, int i, int 
   return most / (p.h * p.h);
 }
 
+/// Sum of the c whose v is below the limit.
+double slower(const double* c, const double* v, int n, double limit) {
+  double sum = 0;
+#pragma omp simd reduction(+ : sum)
+  for (int i = 0; i < n; ++i) sum += c[i] * static_cast<double>(v[i] < limit);
+  return sum;
+}
+
 template <class Speed>
 SlowShares shares_of(const CellField& grains, const Speed& speed_at, const Geometry* geometry,
                      const std::vector<FlatTop>& tops, const std::vector<double>& speeds, int threads) {
-  const int nx = grains.nx(), ny = grains.ny(), n = static_cast<int>(speeds.size());
+  const int nx = grains.nx(), ny = grains.ny();
   RowSums all(ny);
   std::vector<RowSums> slow(speeds.size(), RowSums(ny)), above(tops.empty() ? 0 : speeds.size(), RowSums(ny));
   double lowest = HUGE_VAL;
@@ -33,18 +41,17 @@ SlowShares shares_of(const CellField& grains, const Speed& speed_at, const Geome
   parallel(threads, [&](Team& team) {
     const Rows rows = team.rows(ny);
     for (int j = rows.begin; j < rows.end; ++j) {
-      const bool in_reach = grains.patch().y_corner(j + 1) > lowest;
+      double* c = row_scratch<double>(2 * nx);  // grains, and their speed
+      double* v = c + nx;
       for (int i = 0; i < nx; ++i) {
-        const double c = grains(i, j) * (geometry ? geometry->volume(i, j) : 1.0);
-        if (c == 0) continue;
-        const double speed = speed_at(i, j), on_top = in_reach ? share_above(tops, grains.patch(), i, j) : 0;
-        all[j] += c;
-        for (int k = 0; k < n; ++k)
-          if (speed < speeds[k]) {
-            slow[k][j] += c;
-            if (on_top > 0) above[k][j] += on_top * c;
-          }
+        c[i] = grains(i, j) * (geometry ? geometry->volume(i, j) : 1.0);
+        v[i] = speed_at(i, j);
+        all[j] += c[i];
       }
+      for (std::size_t k = 0; k < slow.size(); ++k) slow[k][j] = slower(c, v, nx, speeds[k]);
+      if (grains.patch().y_corner(j + 1) <= lowest) continue;
+      for (int i = 0; i < nx; ++i) c[i] *= share_above(tops, grains.patch(), i, j);
+      for (std::size_t k = 0; k < above.size(); ++k) above[k][j] = slower(c, v, nx, speeds[k]);
     }
   });
   SlowShares out;

@@ -139,7 +139,8 @@ class RunReport {
     const bool on_top = quantity.ends_with(above);
     const std::string threshold =
         quantity.substr(slow.size(), quantity.size() - slow.size() - (on_top ? above.size() : 0));
-    return fmt::format("share of grains slower than {} √(g d){}", threshold,
+    return fmt::format("share of grains slower than {} √(g d){}",
+                       number_text(std::strtod(threshold.c_str(), nullptr)),
                        on_top ? ", above flat tops" : "");
   }
 

@@ -55,15 +55,20 @@ class StudyReport {
     std::vector<Chart> plots;
     for (const auto& [file, chart] : measured_.charts) {
       plots.push_back(chart);
-      plots.back().title = spaced(fs::path(file).stem().string());  // the page names the study
+      std::string& title = plots.back().title;  // the page names the study
+      title = title.starts_with(name + ": ") ? title.substr(name.size() + 2)
+                                             : spaced(fs::path(file).stem().string());
     }
     if (const std::string drawn = charts_html(plots); !drawn.empty()) body += "<h2>Plots</h2>\n" + drawn;
     body += "<h2>What was asked</h2>\n" + axes();
     body += "<h2>The runs</h2>\n" + table();
     body += details();
     if (rows_.size() > 1) {
-      const SummaryFile first(folder_ / "runs" / rows_[1][0]);
-      body += "<h2>How it was made</h2>\n<p>As the first run was:</p>\n" + provenance_html(first);
+      std::size_t row = 1;  // the first that has a summary
+      while (row + 1 < rows_.size() && !fs::exists(folder_ / "runs" / rows_[row][0] / "summary.json")) ++row;
+      const SummaryFile first(folder_ / "runs" / rows_[row][0]);
+      body += fmt::format("<h2>How it was made</h2>\n<p>As run {} was:</p>\n", html_text(rows_[row][0])) +
+              provenance_html(first);
       body += "<h2>How to make it again</h2>\n" + again(first);
     }
     return html_page(name + ": report", body);

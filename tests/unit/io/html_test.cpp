@@ -74,13 +74,13 @@ TEST_CASE("html: a long curve is thinned out, but keeps its ends and its extreme
   chart.series.push_back({});
   for (int k = 0; k < n; ++k) {
     chart.series[0].x.push_back(k);
-    chart.series[0].y.push_back(k == 12345 ? 50 : k == 777 ? -50 : std::sin(k));
+    chart.series[0].y.push_back(k == 12345 ? 50 : k == 777 ? -50 : k % 75 == 0 ? NAN : std::sin(k));
   }
   const std::string figure = svg_figure(chart);
   CHECK(points_of(figure).size() < 1000);
   CHECK_THAT(figure, Contains(",12345,50]"));
   CHECK_THAT(figure, Contains(",777,-50]"));
-  CHECK_THAT(figure, Contains(",0,0]"));
+  CHECK_THAT(figure, Contains(",19999,"));
 }
 
 TEST_CASE("html: pictures of several fields, one of them seen") {
