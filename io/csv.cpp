@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cstdlib>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -61,6 +63,22 @@ std::vector<std::vector<std::string>> csv_rows(std::string_view text) {
   }
   if (quoted) throw std::invalid_argument("a quote is not closed");
   return rows;
+}
+
+std::map<std::string, std::vector<double>> csv_numbers(const std::filesystem::path& path) {
+  const std::vector<std::vector<std::string>> rows = csv_rows(text_at(path));
+  if (rows.size() < 2) throw std::invalid_argument(path.string() + ": has no rows yet");
+  std::map<std::string, std::vector<double>> columns;
+  for (std::size_t c = 0; c < rows[0].size(); ++c) {
+    std::vector<double>& column = columns[rows[0][c]];
+    for (std::size_t k = 1; k < rows.size(); ++k) {
+      char* end = nullptr;
+      const char* begin = rows[k].at(c).c_str();
+      const double value = std::strtod(begin, &end);
+      column.push_back(end == begin ? std::numeric_limits<double>::quiet_NaN() : value);
+    }
+  }
+  return columns;
 }
 
 Ledger::Ledger(const fs::path& path, const std::vector<std::string>& columns)

@@ -19,6 +19,9 @@ std::string csv_row(const std::vector<std::string>& cells);
 /// std::invalid_argument where a quote is not closed.
 std::vector<std::vector<std::string>> csv_rows(std::string_view text);
 
+/// The numbers of a table by column; what is none is NaN. Throws std::invalid_argument if it has no rows.
+std::map<std::string, std::vector<double>> csv_numbers(const std::filesystem::path& path);
+
 /// A table on disk that grows by whole rows and goes on where an earlier process left it: a row is found by the text in
 /// its first column. What a killed process left of a row is dropped.
 class Ledger {

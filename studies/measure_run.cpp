@@ -19,26 +19,9 @@ namespace hourglass {
 namespace fs = std::filesystem;
 namespace {
 
-/// The numbers of a table by column; what is none is NaN.
-std::map<std::string, std::vector<double>> columns_of(const fs::path& path) {
-  const std::vector<std::vector<std::string>> rows = csv_rows(text_at(path));
-  if (rows.size() < 2) throw std::invalid_argument(path.string() + ": has no rows yet");
-  std::map<std::string, std::vector<double>> columns;
-  for (std::size_t c = 0; c < rows[0].size(); ++c) {
-    std::vector<double>& column = columns[rows[0][c]];
-    for (std::size_t k = 1; k < rows.size(); ++k) {
-      char* end = nullptr;
-      const char* begin = rows[k].at(c).c_str();
-      const double value = std::strtod(begin, &end);
-      column.push_back(end == begin ? std::numeric_limits<double>::quiet_NaN() : value);
-    }
-  }
-  return columns;
-}
-
 class RunMeasure {
  public:
-  explicit RunMeasure(const fs::path& run) : run_(run), columns_(columns_of(run / "series.csv")) {
+  explicit RunMeasure(const fs::path& run) : run_(run), columns_(csv_numbers(run / "series.csv")) {
     const Loaded loaded = load_scene(run / "scene.yaml");
     if (!loaded.ok()) throw std::invalid_argument(loaded.diagnostics.front().text());
     scene_ = loaded.scene;

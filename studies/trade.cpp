@@ -425,7 +425,7 @@ class Trade {
     std::vector<TradeResult::Row> rows;
     for (const TradeResult::Row& finest : result_.rows) {
       if (finest.run.scene.accuracy.extrapolate > 0) continue;  // it has been
-      std::vector<const TradeResult::Row*> grids{&finest};  // the finest first
+      std::vector<const TradeResult::Row*> grids{&finest};      // the finest first
       for (int divisor = 2; divisor <= 4 && std::ssize(grids) == divisor / 2; divisor *= 2) {
         const auto coarser =
             std::find_if(result_.rows.begin(), result_.rows.end(), [&](const TradeResult::Row& row) {
