@@ -6,12 +6,14 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "io/command_pages.hpp"
 #include "io/files.hpp"
 #include "io/fit_run.hpp"
 #include "io/forecast.hpp"
@@ -55,6 +57,7 @@ struct Arguments {
   std::vector<std::filesystem::path> files{"configs/figures"};
   std::string quality = "quick", page;
   RenderOptions render;
+  MeasureOptions measure;
   std::optional<double> budget;
   std::optional<double> fit_time;
   std::string csv;
@@ -234,7 +237,14 @@ int figures(const Arguments& a) {
 }
 
 int measure(const Arguments& a) {
-  hourglass::measure(a.run);
+  hourglass::measure(a.run, a.measure);
+  return finished;
+}
+
+int write_pages(const CLI::App& app, const std::filesystem::path& folder) {
+  write_atomically(folder / "hourglass.1", man_page(app, provenance().version));
+  write_atomically(folder / "hourglass.bash", bash_completion(app));
+  write_atomically(folder / "hourglass.zsh", zsh_completion(app));
   return finished;
 }
 
@@ -336,6 +346,20 @@ int main(int argc, char** argv) {
       ->required()
       ->type_name("RUN|STUDY")
       ->check(CLI::ExistingDirectory);
+  const auto of_fields = [&](const char* name, auto& values, const char* type, const char* what) {
+    return measure_command->add_option(name, values, what)->type_name(type)->allow_extra_args(false);
+  };
+  of_fields("--line", a.measure.lines, "X0,Y0,X1,Y1|x=X|y=Y",
+            "profiles of fields along a line; may be repeated");
+  of_fields("--probe", a.measure.probes, "X,Y", "fields at a place over time; may be repeated");
+  of_fields("--field", a.measure.fields, "F",
+            "field along lines and at probes; may be repeated (default: all that are stored)");
+  of_fields(
+      "--time", a.measure.times, "T",
+      "lines at the frame nearest to this time; may be repeated (default: mean over the discharge's window)");
+  of_fields("--threshold", a.measure.speeds, "S",
+            "share of grains slower than S sqrt(g d); may be repeated (default: 1e-2, 1e-3 and 1e-4)")
+      ->check(CLI::PositiveNumber);
 
   CLI::App* fit_command =
       app.add_subcommand("fit", "B and Q of the kinematic model that comes nearest to a stored run");
@@ -378,6 +402,10 @@ int main(int argc, char** argv) {
                  "a video of each field, <field>.ogv, and its pictures, frames/")
       ->excludes("--time");
 
+  CLI::App* pages_command = app.add_subcommand("pages", "write the man page and the completions of shells");
+  pages_command->group("");  // for who packages hourglass
+  pages_command->add_option("folder", a.out, "folder")->required()->check(CLI::ExistingDirectory);
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -393,6 +421,7 @@ int main(int argc, char** argv) {
     if (*figures_command) return figures(a);
     if (*measure_command) return measure(a);
     if (*fit_command) return fit(a);
+    if (*pages_command) return write_pages(app, a.out);
     return render(a);
   } catch (const std::invalid_argument& error) {  // what was asked for cannot be: nothing was written
     fmt::print(stderr, "{}\n", error.what());

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "solver/diagnostics.hpp"
+#include "solver/quasi_static.hpp"
 #include "solver/solids.hpp"
 
 namespace hourglass {

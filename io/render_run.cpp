@@ -31,21 +31,6 @@ std::vector<Opening> openings_of(const RunInfo& info) {
   return openings;
 }
 
-std::vector<int> frames_at(const std::vector<double>& all, const std::vector<double>& wanted) {
-  std::vector<int> frames;
-  for (int k = 0; k < static_cast<int>(all.size()) && wanted.empty(); ++k) frames.push_back(k);
-  const double slack = 1e-6 * (all.back() - all.front());
-  for (const double t : wanted) {
-    if (!(t >= all.front() - slack && t <= all.back() + slack)) {
-      throw std::invalid_argument(fmt::format("time {} is outside the run, whose frames go from {} to {}", t,
-                                              all.front(), all.back()));
-    }
-    const auto nearer = [t](double a, double b) { return std::abs(a - t) < std::abs(b - t); };
-    frames.push_back(static_cast<int>(std::min_element(all.begin(), all.end(), nearer) - all.begin()));
-  }
-  return frames;
-}
-
 }  // namespace
 
 Picture picture_of(const std::string& field, const Frame& frame, const RunInfo& info,

@@ -128,6 +128,8 @@ std::string to_json(const Summary& s, Model model) {
                       {"discharge_window",
                        json_array({json_number(s.discharge_window[0]), json_number(s.discharge_window[1])})},
                       {"quasi_static_fraction", json_number(s.quasi_static_fraction)},
+                      {"quasi_static_1e-2", json_number(s.quasi_static_1e2)},
+                      {"quasi_static_1e-4", json_number(s.quasi_static_1e4)},
                       {"mass_error", json_number(s.mass_error)},
                       {"worst_max_divergence", json_number(s.worst_max_divergence)},
                       {"missed_tolerances", json_number(s.missed_tolerances)},
@@ -141,11 +143,14 @@ std::string to_json(const Summary& s, Model model) {
                       {"stages", json_object(stages, 2)},
                       {"warnings", json_array(warnings)},
                       {"provenance", to_json(provenance(s.threads), 2)}};
-  if (s.extrapolation) {
-    const auto after = std::find_if(members.begin(), members.end(),
-                                    [](const auto& member) { return member.first == "discharge_window"; });
-    members.insert(after + 1, {"extrapolation", to_json(*s.extrapolation)});
-  }
+  const auto insert_after = [&](const char* name, const std::string& key, const std::string& value) {
+    const auto at = std::ranges::find(members, name, &JsonMembers::value_type::first);
+    members.insert(at + 1, {key, value});
+  };
+  if (s.extrapolation) insert_after("discharge_window", "extrapolation", to_json(*s.extrapolation));
+  if (s.quasi_static_above_flat_top)
+    insert_after("quasi_static_1e-4", "quasi_static_above_flat_top",
+                 json_number(*s.quasi_static_above_flat_top));
   return json_object(members) + '\n';
 }
 
@@ -202,7 +207,7 @@ struct RunFolder::Impl {
     for (const std::string& warning : warnings) log->info("{}", warning);
     write_atomically(path / "scene.yaml", resolved_yaml);
     series.emplace(path / "series.csv", scene);
-    if (scene.output.fields_every > 0) frames.emplace(path, info);
+    if (scene.output.fields_every > 0) frames.emplace(path, info, scene.output.compression);
   }
 
   void warn(const std::string& warning) {

@@ -210,6 +210,7 @@ void visit_scene(Visitor& v, Scene& s) {
     v.number("fields_every", s.output.fields_every);
     v.number("snapshots_every", s.output.snapshots_every);
     v.texts("fields", s.output.fields);
+    v.integer("compression", s.output.compression);
   });
   v.integer("threads", s.threads);
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "io/csv.hpp"
+#include "solver/quasi_static.hpp"
 
 namespace hourglass {
 std::string series_header(const Scene& scene) {
@@ -14,7 +15,8 @@ std::string series_header(const Scene& scene) {
   return out +
          ",quasi_static_fraction,max_speed,iterations_pressure,iterations_viscous,iterations_fluidity,"
          "max_divergence,capped_cells,wall_seconds,dt_limit,ill_posed_fraction" +
-         (scene.feed ? ",fed" : "");
+         (scene.feed ? ",fed" : "") + ",quasi_static_1e-2,quasi_static_1e-4" +
+         (flat_tops(scene).empty() ? "" : ",quasi_static_above_flat_top");
 }
 
 std::string series_text(const SeriesRow& row) {
@@ -28,7 +30,9 @@ std::string series_text(const SeriesRow& row) {
          fmt::format(",{},{},{},{},{},{},{},{},{},{}", row.quasi_static_fraction, row.max_speed,
                      s.pressure.iterations, s.viscous.iterations, s.fluidity.iterations, s.max_divergence,
                      s.capped_cells, row.wall_seconds, name_of(s.limit), row.ill_posed_fraction) +
-         (row.fed ? fmt::format(",{}", *row.fed) : "");
+         (row.fed ? fmt::format(",{}", *row.fed) : "") +
+         fmt::format(",{},{}", row.quasi_static_1e2, row.quasi_static_1e4) +
+         (row.quasi_static_above_flat_top ? fmt::format(",{}", *row.quasi_static_above_flat_top) : "");
 }
 
 }  // namespace hourglass

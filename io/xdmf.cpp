@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "io/files.hpp"
 #include "io/hdf5.hpp"
@@ -297,6 +298,21 @@ Frame FieldReader::read(int frame, const std::vector<std::string>& fields) const
   out.velocity_x = component(0, 3);
   out.velocity_y = component(1, 3);
   return out;
+}
+
+std::vector<int> frames_at(const std::vector<double>& all, const std::vector<double>& wanted) {
+  std::vector<int> frames;
+  for (int k = 0; k < static_cast<int>(all.size()) && wanted.empty(); ++k) frames.push_back(k);
+  const double slack = 1e-6 * (all.back() - all.front());
+  for (const double t : wanted) {
+    if (!(t >= all.front() - slack && t <= all.back() + slack)) {
+      throw std::invalid_argument(fmt::format("time {} is outside the run, whose frames go from {} to {}", t,
+                                              all.front(), all.back()));
+    }
+    const auto nearer = [t](double a, double b) { return std::abs(a - t) < std::abs(b - t); };
+    frames.push_back(static_cast<int>(std::min_element(all.begin(), all.end(), nearer) - all.begin()));
+  }
+  return frames;
 }
 
 }  // namespace hourglass

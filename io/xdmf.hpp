@@ -57,4 +57,8 @@ class FieldReader {
   std::vector<double> times_;
 };
 
+/// The frame nearest to each of the wanted times; all frames if none is wanted. Throws std::invalid_argument for a time
+/// outside of the run.
+std::vector<int> frames_at(const std::vector<double>& times, const std::vector<double>& wanted);
+
 }  // namespace hourglass

@@ -8,11 +8,6 @@
 namespace hourglass {
 namespace {
 
-double cell_speed(const Fields& f, int i, int j) {
-  const double u = 0.5 * (f.u(i, j) + f.u(i + 1, j)), v = 0.5 * (f.v(i, j) + f.v(i, j + 1));
-  return std::sqrt(u * u + v * v);
-}
-
 /// out[i] = 1 where well posed, on row j.
 void well_posed_row(const Scene& scene, const Fields& fields, const RheologyStage& rheology, int j,
                     double* out) {
@@ -92,31 +87,6 @@ std::vector<double> masses_by_material(const Scene& scene, const Fields& fields,
   for (std::size_t k = 1; k < volumes.size(); ++k) volumes[0] -= volumes[k];
   for (std::size_t k = 0; k < volumes.size(); ++k) volumes[k] *= scene.materials[k].density;
   return volumes;
-}
-
-double quasi_static_speed(const Scene& scene) {
-  return 1e-3 * std::sqrt(scene.g() * scene.materials[0].diameter);
-}
-
-double slow_fraction(const Fields& fields, const Geometry* geometry, double speed, int threads) {
-  const int nx = fields.p.nx(), ny = fields.p.ny();
-  RowSums slow(ny), all(ny);
-  parallel(threads, [&](Team& team) {
-    const Rows rows = team.rows(ny);
-    for (int j = rows.begin; j < rows.end; ++j) {
-      double s = 0, a = 0;
-#pragma omp simd reduction(+ : s, a)
-      for (int i = 0; i < nx; ++i) {
-        const double c = fields.grains(i, j) * (geometry ? geometry->volume(i, j) : 1.0);
-        a += c;
-        s += c * static_cast<double>(cell_speed(fields, i, j) < speed);
-      }
-      slow[j] = s;
-      all[j] = a;
-    }
-  });
-  const double total = all.sum();
-  return total > 0 ? slow.sum() / total : 0;
 }
 
 double fastest_grains(const Fields& fields, const Geometry* geometry, int threads) {

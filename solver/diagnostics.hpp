@@ -20,12 +20,6 @@ namespace hourglass {
 std::vector<double> masses_by_material(const Scene& scene, const Fields& fields, const Geometry* geometry,
                                        int threads, bool by_volume = false);
 
-/// Grains slower than this count as quasi-static: 1e-3 sqrt(g d), d that of material 0.
-double quasi_static_speed(const Scene& scene);
-
-/// Share of the grain volume that is slower than `speed`.
-double slow_fraction(const Fields& fields, const Geometry* geometry, double speed, int threads);
-
 /// 1 where the equations of mu(I) are well posed at the I of the last step (granular_laws.hpp, well_posedness) or the
 /// viscosity stands at eta_max and is a number, 0 where they are not; 1 where grains fill less than half.
 CellField well_posed_cells(const Scene& scene, const Fields& fields, const RheologyStage& rheology);

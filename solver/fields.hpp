@@ -1,5 +1,6 @@
 #pragma once
 // Everything that evolves from step to step; allocated once.
+#include <cmath>
 #include <vector>
 
 #include "kernels/geometry.hpp"
@@ -23,6 +24,12 @@ struct Fields : Velocity {
     if (nonlocal) fluidity = CellField(patch);
   }
 };
+
+/// At a cell's centre [L/T].
+inline double cell_speed(const Fields& f, int i, int j) {
+  const double u = 0.5 * (f.u(i, j) + f.u(i + 1, j)), v = 0.5 * (f.v(i, j) + f.v(i, j + 1));
+  return std::sqrt(u * u + v * v);
+}
 
 /// Shares of grains and tracers in the cells of solids (fill_solid). Call from one member.
 inline void fill_solid_shares(const Geometry& geometry, Fields& fields) {

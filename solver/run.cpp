@@ -275,9 +275,27 @@ class Run {
     if (row.fed) row.fed = interval > 0 ? (*row.fed - last_.fed.value_or(0)) / interval : 0;
     for (double q : row.orifice_outflow) row.outflow += q;
     row.wall_seconds = seconds_since(clock_);
-    static_over_time_.push_back({s_.t, row.quasi_static_fraction});
+    slow_.emplace_back(s_.t, row);
     for (Observer* o : observers_) o->on_series(row);
     last_ = totals;
+  }
+
+  SlowGrains slow_grains(const DischargeWindow& window) const {
+    const auto mean = [&](const auto& figure) {
+      History over_time;
+      for (const auto& [t, slow] : slow_) over_time.push_back({t, figure(slow)});
+      return mean_over(over_time, window.from, window.to);
+    };
+    const auto fraction = mean([](const SlowGrains& s) { return s.quasi_static_fraction; });
+    if (!fraction) return s_.row({});
+    SlowGrains out{*fraction,
+                   *mean([](const SlowGrains& s) { return s.quasi_static_1e2; }),
+                   *mean([](const SlowGrains& s) { return s.quasi_static_1e4; }),
+                   {}};
+    if (slow_[0].second.quasi_static_above_flat_top)
+      out.quasi_static_above_flat_top =
+          mean([](const SlowGrains& s) { return *s.quasi_static_above_flat_top; });
+    return out;
   }
 
   Summary summarise() {
@@ -288,10 +306,9 @@ class Run {
     r.discharge_window[1] = window.to;
     const double scale = discharge_scale(scene_, total_width(scene_));
     if (scale > 0) r.discharge_constant = window.rate / scale;
-    const auto share = mean_over(static_over_time_, window.from, window.to);
-    r.quasi_static_fraction = share ? *share : simulation_.quasi_static_fraction();
+    static_cast<SlowGrains&>(r) = slow_grains(window);
     r.mass_over_time = mass_over_time_;
-    r.quasi_static_over_time = static_over_time_;
+    for (const auto& [at, slow] : slow_) r.quasi_static_over_time.push_back({at, slow.quasi_static_fraction});
     r.mass_error = s_.mass_error(initial_mass_);
     r.steps = s_.steps;
     r.cells = scene_.patch().cells();
@@ -312,8 +329,9 @@ class Run {
   const double initial_mass_;
   double mass_;
   const double settle_;  // when the discharge counts as developed
-  History mass_over_time_, static_over_time_;
-  SeriesRow last_;  // its outflows are totals
+  History mass_over_time_;
+  std::vector<std::pair<double, SlowGrains>> slow_;  // by row
+  SeriesRow last_;                                   // its outflows are totals
   Summary summary_;
   bool ended_ = false, watched_orifices_ = false;
   Watchdog watchdog_;

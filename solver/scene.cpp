@@ -471,6 +471,8 @@ void check_output(const Scene& s, Problems& p) {
             "0 stores no fields.");
   p.require(s.output.snapshots_every >= 0, "output.snapshots_every", s.output.snapshots_every, ">= 0",
             "0 draws no pictures.");
+  p.require(s.output.compression >= 0 && s.output.compression <= 9, "output.compression", s.output.compression,
+            "0 to 9", "0 does not compress.");
   std::string known;
   for (const FieldInfo& info : known_fields()) known += (known.empty() ? "" : ", ") + std::string(info.name);
   for (std::size_t k = 0; k < s.output.fields.size(); ++k) {

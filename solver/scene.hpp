@@ -279,6 +279,7 @@ struct Output {
   double snapshots_every = 5.48;  ///< [T]; 0: none
   std::vector<std::string> fields{"speed",  "pressure",       "grains",
                                   "tracer", "fluidity_ratio", "packing"};  ///< those that the scene has
+  int compression = 0;  ///< of fields.h5: level of deflate, 0 (none) to 9
   bool operator==(const Output&) const = default;
 };
 

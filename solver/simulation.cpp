@@ -9,6 +9,7 @@
 
 #include "solver/diagnostics.hpp"
 #include "solver/painting.hpp"
+#include "solver/quasi_static.hpp"
 #include "solver/simulation_state.hpp"
 #include "solver/time_step.hpp"
 
@@ -216,7 +217,7 @@ SeriesRow Simulation::Impl::row(const StepReport& report) const {
   r.step = report;
   r.material_mass = masses_by_material(scene, fields, geometry.get(), threads);
   for (double m : r.material_mass) r.mass += m;
-  r.quasi_static_fraction = slow_fraction(fields, geometry.get(), quasi_static_speed(scene), threads);
+  tell_slow(slow_shares(fields, geometry.get(), flat_tops(scene), slow_speeds(scene), threads), r);
   r.ill_posed_fraction = ill_posed_fraction(scene, fields, geometry.get(), stepper->rheology(), threads);
   r.max_speed = fastest_grains(fields, geometry.get(), threads);
   r.orifice_outflow = orifice_mass;
@@ -248,11 +249,6 @@ double Simulation::grain_mass() const {
   for (double m : material_mass()) total += m;
   return total;
 }
-double Simulation::quasi_static_fraction() const {
-  return slow_fraction(impl_->fields, impl_->geometry.get(), quasi_static_speed(impl_->scene),
-                       impl_->threads);
-}
-
 std::vector<std::pair<std::string, std::size_t>> Simulation::memory() const {
   const Fields& f = impl_->fields;
   std::size_t state = f.u.bytes() + f.v.bytes() + f.p.bytes() + f.grains.bytes();

@@ -30,8 +30,16 @@ struct StepReport {
   long floored_cells = 0;     ///< grain cells at eta_min
 };
 
+/// Shares of the grain volume that hardly moves.
+struct SlowGrains {
+  double quasi_static_fraction = 0;                   ///< slower than 1e-3 sqrt(g d)
+  double quasi_static_1e2 = 0, quasi_static_1e4 = 0;  ///< slower than 1e-2, 1e-4 sqrt(g d)
+  /// Of quasi_static_fraction, what lies straight above flat tops of inserts; with such an insert.
+  std::optional<double> quasi_static_above_flat_top;
+};
+
 /// A row of series.csv.
-struct SeriesRow {
+struct SeriesRow : SlowGrains {
   StepReport step;
   double mass = 0;     ///< grains in the domain [M per unit depth]
   double outflow = 0;  ///< flux of grains through all orifices [M/T], mean since the last row
@@ -39,7 +47,6 @@ struct SeriesRow {
   std::vector<double> material_mass;     ///< by material [M]
   std::vector<double> material_outflow;  ///< through all orifices, by material [M/T]
   std::optional<double> fed;             ///< what the feed brings [M/T], mean since the last row; with a feed
-  double quasi_static_fraction = 0;      ///< grain volume slower than 1e-3 sqrt(g d), over all grain volume
   double ill_posed_fraction =
       0;                 ///< grain cells where mu(I) is ill-posed (field well_posed), over all grain cells
   double max_speed = 0;  ///< of grains [L/T]
@@ -64,14 +71,14 @@ struct Extrapolation {
   double seconds = 0;  ///< that the coarser grids took
 };
 
-/// What summary.json holds of the physics; provenance is io's business.
-struct Summary {
+/// What summary.json holds of the physics; provenance is io's business. Slow grains: the mean over the rows of the series in
+/// the window of the discharge, or at the end.
+struct Summary : SlowGrains {
   Status status = Status::finished;
   std::string reason;
   double discharge_rate = 0;  ///< least-squares slope of mass less feed over time, start-up left out [M/T]
   double discharge_constant = 0;        ///< discharge_rate / discharge_scale(), W the total width
   double discharge_window[2] = {0, 0};  ///< the times that the slope was taken over [T]
-  double quasi_static_fraction = 0;     ///< at the end of that window
   double mass_error = 0;                ///< |grain loss + feed - integrated outflow| / initial mass
   double worst_max_divergence = 0;
   long missed_tolerances = 0;
@@ -125,7 +132,6 @@ class Simulation {
   double t() const;
   double grain_mass() const;
   std::vector<double> material_mass() const;
-  double quasi_static_fraction() const;
   /// Grains through each orifice since the start, outward positive, integrated at the faces [M].
   const std::vector<double>& orifice_mass() const;
   /// Derived cell fields by the names of `output.fields`: speed, velocity_x, velocity_y, pressure, grains,

@@ -13,6 +13,7 @@
 #include "solver/geometry.hpp"
 #include "solver/models/stochastic.hpp"
 #include "solver/painting.hpp"
+#include "solver/quasi_static.hpp"
 #include "solver/simulation_state.hpp"
 
 namespace hourglass {
@@ -185,12 +186,11 @@ SteadyFlow steady_flow(const Scene& given) {
   paint(scene, geometry.get(), fields);
   flow.velocity_x = flow.velocity_y = CellField(patch);
   if (scene.model == Model::radial) flow.pressure = CellField(patch);
-  const double still = quasi_static_speed(scene);
-  RowSums fastest(patch.ny), slow(patch.ny), all(patch.ny);
+  RowSums fastest(patch.ny);
   parallel(threads, [&](Team& team) {
     const Rows rows = team.rows(patch.ny);
     for (int j = rows.begin; j < rows.end; ++j) {
-      double most = 0, s = 0, a = 0;
+      double most = 0;
       for (int i = 0; i < patch.nx; ++i) {
         const double share = fields.grains(i, j) * (geometry ? geometry->volume(i, j) : 1.0);
         if (share == 0) continue;
@@ -199,14 +199,9 @@ SteadyFlow steady_flow(const Scene& given) {
         flow.velocity_x(i, j) = u;
         flow.velocity_y(i, j) = v;
         if (flow.pressure.allocated()) flow.pressure(i, j) = model.pressure(x, y);
-        const double speed = std::hypot(u, v);
-        most = std::max(most, speed);
-        a += share;
-        if (speed < still) s += share;
+        most = std::max(most, std::hypot(u, v));
       }
       fastest[j] = most;
-      slow[j] = s;
-      all[j] = a;
     }
   });
   const double Q = discharge_of(scene), scale = discharge_scale(scene, total_width(scene));
@@ -218,7 +213,10 @@ SteadyFlow steady_flow(const Scene& given) {
     row.orifice_outflow.push_back(Q * images(scene, o) * discharge_scale(scene, o.width) /
                                   usual_discharge(scene));
   row.material_outflow = {Q};
-  row.quasi_static_fraction = all.sum() > 0 ? slow.sum() / all.sum() : 0;
+  flow.grains = std::move(fields.grains);
+  tell_slow(slow_shares(flow.grains, flow.derived("speed"), geometry.get(), flat_tops(scene),
+                        slow_speeds(scene), threads),
+            row);
   row.max_speed = row.step.max_speed = fastest.max();
   row.wall_seconds = seconds_since(start);
   Summary& summary = flow.summary;
@@ -226,12 +224,11 @@ SteadyFlow steady_flow(const Scene& given) {
       fmt::format("model {}: a steady field, not stepped", model_names[static_cast<int>(scene.model)]);
   summary.discharge_rate = Q;
   summary.discharge_constant = scale > 0 ? Q / scale : 0;
-  summary.quasi_static_fraction = row.quasi_static_fraction;
+  static_cast<SlowGrains&>(summary) = row;
   summary.cells = patch.cells();
   summary.threads = threads;
   summary.wall_seconds = row.wall_seconds;
   summary.stages = {{"field", row.wall_seconds}};
-  flow.grains = std::move(fields.grains);
   return flow;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <stdexcept>
 
 #include "io/chart.hpp"
@@ -13,6 +14,7 @@
 #include "io/scene_yaml.hpp"
 #include "solver/diagnostics.hpp"
 #include "studies/measure.hpp"
+#include "studies/measure_fields.hpp"
 #include "studies/outflow.hpp"
 
 namespace hourglass {
@@ -21,23 +23,28 @@ namespace {
 
 class RunMeasure {
  public:
-  explicit RunMeasure(const fs::path& run) : run_(run), columns_(csv_numbers(run / "series.csv")) {
+  RunMeasure(const fs::path& run, const MeasureOptions& options)
+      : run_(run), columns_(csv_numbers(run / "series.csv")) {
     const Loaded loaded = load_scene(run / "scene.yaml");
     if (!loaded.ok()) throw std::invalid_argument(loaded.diagnostics.front().text());
     scene_ = loaded.scene;
-    if (scene_.model != Model::mu_I)
+    if (fs::exists(run / "fields.h5"))
+      fields_.emplace(run, scene_, options);
+    else if (!options.lines.empty() || !options.probes.empty() || !options.speeds.empty())
       throw std::invalid_argument(
-          fmt::format("{}: a model in closed form ({}) has one row; its discharge is what it was given "
-                      "(summary.json). Measure a "
-                      "run of model mu_I.",
-                      run.string(), model_names[static_cast<int>(scene_.model)]));
+          fmt::format("{}: has no fields to measure along lines, at probes or by other thresholds. Run the "
+                      "scene with output.fields_every above 0.",
+                      run.string()));
     fs::create_directories(run / "plots");
   }
 
   void all() {
-    discharge_rate();
-    for (std::size_t m = 1; m < scene_.materials.size(); ++m) tracer(scene_.materials[m].name);
-    if (!shares_.empty()) step_plots();
+    if (scene_.model == Model::mu_I) {  // others have one row, and the discharge that they were given
+      discharge_rate();
+      for (std::size_t m = 1; m < scene_.materials.size(); ++m) tracer(scene_.materials[m].name);
+      if (!shares_.empty()) step_plots();
+    }
+    if (fields_) fields();
     write_atomically(run_ / "measure.csv", table_);
     fmt::print("{}\n", (run_ / "measure.csv").string());
   }
@@ -49,6 +56,11 @@ class RunMeasure {
                        fmt::format("{}", window_.from), fmt::format("{}", window_.to)});
     fmt::print("{}: {:.6g}{}{}{}\n", quantity, value, error ? fmt::format(" ± {:.2g}", *error) : "",
                unit.empty() ? "" : " ", unit);
+  }
+  void add(const FrameMean& mean) {
+    table_ += csv_row({mean.quantity, fmt::format("{}", mean.value), "", fmt::format("{}", mean.from),
+                       fmt::format("{}", mean.to)});
+    fmt::print("{}: {:.4g}\n", mean.quantity, mean.value);
   }
   std::string title(const std::string& what, const std::string& unit) const {
     return fmt::format("{} [{}]", what, unit_text(unit, scene_.units));
@@ -136,11 +148,18 @@ class RunMeasure {
     draw("residence_time.png", residence);
   }
 
+  void fields() {
+    for (const FrameMean& mean : fields_->quasi_static(window_.from, window_.to)) add(mean);
+    fields_->profiles(window_.from, window_.to);
+    fields_->probes();
+  }
+
   void draw(const std::string& name, const Chart& chart) const { draw_chart(chart, run_ / "plots" / name); }
 
   fs::path run_;
   std::map<std::string, std::vector<double>> columns_;
   Scene scene_;
+  std::optional<FieldMeasure> fields_;
   DischargeWindow window_;
   std::string table_ = "quantity,value,standard_error,from,to\n";
   std::vector<std::pair<std::string, StepResponse>> shares_;  ///< by material beyond the first
@@ -148,11 +167,18 @@ class RunMeasure {
 
 }  // namespace
 
-void measure_run(const fs::path& run) { RunMeasure(run).all(); }
+void measure_run(const fs::path& run, const MeasureOptions& options) { RunMeasure(run, options).all(); }
 
-void measure(const fs::path& folder) {
-  if (fs::exists(folder / "results.csv")) return measure_study(folder);
-  if (fs::exists(folder / "series.csv")) return measure_run(folder);
+void measure(const fs::path& folder, const MeasureOptions& options) {
+  if (fs::exists(folder / "results.csv")) {
+    if (!options.lines.empty() || !options.probes.empty() || !options.speeds.empty())
+      throw std::invalid_argument(
+          fmt::format("{}: lines, probes and thresholds are measured in a run, not in a study. Give one of "
+                      "the folders in {}.",
+                      folder.string(), (folder / "runs").string()));
+    return measure_study(folder);
+  }
+  if (fs::exists(folder / "series.csv")) return measure_run(folder, options);
   throw std::invalid_argument(
       fmt::format("{}: holds neither a run (series.csv) nor a sweep (results.csv). Give the folder of one.",
                   folder.string()));

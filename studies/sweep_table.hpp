@@ -11,9 +11,18 @@
 namespace hourglass {
 
 /// The figures of merit that the table takes from summary.json, by their names.
-inline const std::vector<std::string> figures_of_merit{
-    "discharge_rate", "discharge_constant", "quasi_static_fraction", "mass_error",  "steps",
-    "cells",          "back_offs",          "missed_tolerances",     "wall_seconds"};
+inline const std::vector<std::string> figures_of_merit{"discharge_rate",
+                                                       "discharge_constant",
+                                                       "quasi_static_fraction",
+                                                       "quasi_static_1e-2",
+                                                       "quasi_static_1e-4",
+                                                       "quasi_static_above_flat_top",
+                                                       "mass_error",
+                                                       "steps",
+                                                       "cells",
+                                                       "back_offs",
+                                                       "missed_tolerances",
+                                                       "wall_seconds"};
 
 class SweepTable {
  public:

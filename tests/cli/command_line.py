@@ -326,7 +326,9 @@ class CommandLine(unittest.TestCase):
         for row in rows:
             with open(self.path(f"sweeps/widths/runs/{row['run']}/summary.json")) as file:
                 summary = json.load(file)
-            for name in ("discharge_rate", "discharge_constant", "quasi_static_fraction", "mass_error", "steps", "cells",
+            self.assertEqual(row["quasi_static_above_flat_top"], "")
+            for name in ("discharge_rate", "discharge_constant", "quasi_static_fraction", "quasi_static_1e-2",
+                         "quasi_static_1e-4", "mass_error", "steps", "cells",
                          "back_offs", "missed_tolerances", "wall_seconds"):
                 self.assertEqual(float(row[name]), summary[name])
             self.assertEqual((row["status"], summary["threads"]), ("finished", 1))
@@ -375,7 +377,8 @@ class CommandLine(unittest.TestCase):
                              "delta_mu: 0.28, I_0: 0.4}}",
                    fill="fill: [{material: sand, box: {x: [0, 40], y: [0, 30]}}, "
                         "{material: tracer, box: {x: [0, 40], y: [10, 30]}}]",
-                   time="time: {end: 12}")
+                   time="time: {end: 12}",
+                   output="output: {fields_every: 2, snapshots_every: 0, fields: [speed]}")
         result = self.hourglass("run", "scene.yaml", "--quiet", "--out", "run")
         self.assertEqual(result.returncode, 0, result.stderr)
         result = self.hourglass("measure", "run")
@@ -383,7 +386,8 @@ class CommandLine(unittest.TestCase):
         with open(self.path("run/measure.csv")) as file:
             measured = {row["quantity"]: row for row in csv.DictReader(file)}
         self.assertEqual(list(measured), ["discharge_rate", "discharge_constant", "tracer_mean_residence_time",
-                                          "tracer_residence_time_variance", "tracer_mixing_index"])
+                                          "tracer_residence_time_variance", "tracer_mixing_index",
+                                          "quasi_static_1e-2", "quasi_static_1e-3", "quasi_static_1e-4"])
         with open(self.path("run/summary.json")) as file:
             summary = json.load(file)
         rate = measured["discharge_rate"]
@@ -396,7 +400,19 @@ class CommandLine(unittest.TestCase):
         self.assertLess(shares[0], 0.01)
         self.assertGreater(max(shares), 0.5)
         self.assertEqual(sorted(os.listdir(self.path("run/plots"))),
-                         ["discharge.png", "residence_time.png", "step_change.png", "step_change_drained.png"])
+                         ["discharge.png", "quasi_static.png", "residence_time.png", "step_change.png", "step_change_drained.png"])
+        result = self.hourglass("measure", "run", "--line", "x=20", "--line", "10,5,30,5", "--field", "speed",
+                                "--time", "12", "--probe", "20,5", "--threshold", "5e-3")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("quasi_static_0.005: ", result.stdout)
+        with open(self.path("run/profiles.csv")) as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(list(rows[0]), ["line", "t", "s", "x", "y", "speed"])
+        self.assertEqual({row["line"] for row in rows}, {"1", "2"})
+        with open(self.path("run/probes.csv")) as file:
+            self.assertGreater(float(list(csv.DictReader(file))[1]["speed"]), 0)
+        self.refuse("measure", "run", "--line", "x=50", says=["--line x=50: (50, 0) lies outside of the silo"])
+        self.refuse("measure", "run", "--threshold", "0", says=["--threshold"])
         again = self.hourglass("run", "scene.yaml", "--quiet", "--out", "run", "--force", "--set", "time.end=1")
         self.assertEqual(again.returncode, 0, again.stderr)
         os.mkdir(self.path("empty"))

@@ -26,6 +26,7 @@ bool all_finite(const std::vector<double>& values) {
 
 bool is_finite(const SeriesRow& r) {
   return all_finite({r.step.t, r.step.dt, r.mass, r.outflow, r.fed.value_or(0), r.quasi_static_fraction,
+                     r.quasi_static_1e2, r.quasi_static_1e4, r.quasi_static_above_flat_top.value_or(0),
                      r.ill_posed_fraction, r.max_speed, r.step.max_divergence, r.step.max_speed}) &&
          all_finite(r.orifice_outflow) && all_finite(r.material_mass) && all_finite(r.material_outflow);
 }

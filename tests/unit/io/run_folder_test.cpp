@@ -104,10 +104,11 @@ TEST_CASE("a run leaves scene, series, fields, snapshots, summary and log", "[io
   CHECK(series.at(0) ==
         "t,step,dt,mass,outflow,outflow_0,outflow_1,sand_mass,sand_outflow,\"dyed, fine_mass\",\"dyed, "
         "fine_outflow\",quasi_static_fraction,max_speed,iterations_pressure,iterations_viscous,"
-        "iterations_fluidity,max_divergence,capped_cells,wall_seconds,dt_limit,ill_posed_fraction");
+        "iterations_fluidity,max_divergence,capped_cells,wall_seconds,dt_limit,ill_posed_fraction,"
+        "quasi_static_1e-2,quasi_static_1e-4");
   CHECK(series.size() >= 6);
   CHECK(series.at(1).rfind("0,0,0,780,", 0) == 0);  // 30 x 26
-  CHECK(std::count(series.at(2).begin(), series.at(2).end(), ',') == 20);
+  CHECK(std::count(series.at(2).begin(), series.at(2).end(), ',') == 22);
 
   const FieldReader reader(folder.path);
   CHECK(reader.info().name == "small");
@@ -122,10 +123,26 @@ TEST_CASE("a run leaves scene, series, fields, snapshots, summary and log", "[io
   CHECK_FALSE(fs::exists(snapshot_path(folder.path, "grains", 0)));  // stored, but not asked for
 
   const YAML::Node json = YAML::LoadFile(folder.path / "summary.json");  // YAML holds JSON
-  for (const char* key : {"status", "reason", "discharge_rate", "discharge_constant", "discharge_window",
-                          "quasi_static_fraction", "mass_error", "worst_max_divergence", "missed_tolerances",
-                          "steps", "cells", "wall_seconds", "cell_steps_per_second", "peak_memory_bytes",
-                          "threads", "stages", "warnings", "provenance"}) {
+  for (const char* key : {"status",
+                          "reason",
+                          "discharge_rate",
+                          "discharge_constant",
+                          "discharge_window",
+                          "quasi_static_fraction",
+                          "quasi_static_1e-2",
+                          "quasi_static_1e-4",
+                          "mass_error",
+                          "worst_max_divergence",
+                          "missed_tolerances",
+                          "steps",
+                          "cells",
+                          "wall_seconds",
+                          "cell_steps_per_second",
+                          "peak_memory_bytes",
+                          "threads",
+                          "stages",
+                          "warnings",
+                          "provenance"}) {
     INFO(key);
     CHECK(json[key].IsDefined());
   }

@@ -114,6 +114,7 @@ TEST_CASE("ranges of single values") {
       {"output.series_every", [](Scene& s) { s.output.series_every = 0; }, "must be > 0"},
       {"output.fields_every", [](Scene& s) { s.output.fields_every = -1; }, "must be >= 0"},
       {"output.snapshots_every", [](Scene& s) { s.output.snapshots_every = -1; }, "must be >= 0"},
+      {"output.compression", [](Scene& s) { s.output.compression = 10; }, "0 to 9"},
       {"output.fields.0", [](Scene& s) { s.output.fields = {"sped"}; }, "no field 'sped' (allowed: speed"},
       {"physics.nonlocal.A", [](Scene& s) { s.nonlocal = Nonlocal{-1}; }, "must be >= 0"},
       {"physics.dilatancy.K", [](Scene& s) { s.dilatancy = Dilatancy{.K = 0}; }, "must be > 0"},

@@ -70,23 +70,24 @@ TEST_CASE("a sweep: a row each run in their order, failed ones with their cause"
   const auto rows = csv_rows(six.table());
   REQUIRE(rows.size() == 7);
   CHECK(rows[0] == std::vector<std::string>{"run", "time.end", "status", "discharge_rate",
-                                            "discharge_constant", "quasi_static_fraction", "mass_error",
-                                            "steps", "cells", "back_offs", "missed_tolerances",
-                                            "wall_seconds", "reason"});
+                                            "discharge_constant", "quasi_static_fraction",
+                                            "quasi_static_1e-2", "quasi_static_1e-4",
+                                            "quasi_static_above_flat_top", "mass_error", "steps", "cells",
+                                            "back_offs", "missed_tolerances", "wall_seconds", "reason"});
   for (int k = 1; k <= 6; ++k) {
     CHECK(rows[k][0] == "000" + std::to_string(k));
     CHECK(rows[k][1] == std::to_string(k));
   }
   CHECK(rows[1][2] == "finished");
   CHECK(rows[1][3] == "1.5");
-  CHECK(rows[1][11] == "0.25");
+  CHECK(rows[1][14] == "0.25");
   CHECK(rows[2][2] == "failed");
   CHECK(rows[2][3].empty());
-  CHECK(rows[2][12] == "exit status 1: the cause");
+  CHECK(rows[2][15] == "exit status 1: the cause");
   CHECK(rows[3][2] == "failed");
-  CHECK_THAT(rows[3][12], Contains("killed by signal 11"));
+  CHECK_THAT(rows[3][15], Contains("killed by signal 11"));
   CHECK(rows[4][2] == "diverged");
-  CHECK(rows[4][12] == "NaN, at step 7");
+  CHECK(rows[4][15] == "NaN, at step 7");
 
   const std::string before = six.table();
   sweep(six.options(1));
@@ -106,7 +107,7 @@ TEST_CASE("a sweep goes on: only what is missing runs, and more values may be ad
   sweep(six.options(1));
   CHECK(six.calls() == 6 + 3);  // 2, 3 and 5
   CHECK(csv_rows(six.table())[5] == lines[5]);
-  CHECK(csv_rows(six.table())[2][12] == "exit status 1: the cause");
+  CHECK(csv_rows(six.table())[2][15] == "exit status 1: the cause");
 
   six.study("[1, 2, 3, 4, 5, 6, 7]");
   CHECK(sweep(six.options(1)).runs == 7);
