@@ -266,6 +266,7 @@ class FigureReader {
     std::set<std::string> names;
     for (std::size_t k = 0; k < pictures->items.size(); ++k) {
       const std::string below = fmt::format("pictures.{}.", k);
+      if (const YamlNode* only = pictures->items[k].find("only"); only && only->text != quality_) continue;
       FigurePicture picture = read_picture(pictures->items[k], below);
       if (!names.insert(picture.name).second)
         say(pictures->items[k].line, below + "name", "is the name of another picture. Rename it.");
@@ -288,7 +289,7 @@ class FigureReader {
         {PictureKind::beverloo, {"y"}},
         {PictureKind::radial, {"y", "q_range"}}};
     std::vector<std::string> allowed = keys.at(p.kind);
-    for (const char* key : {"kind", "name", "caption", "where"}) allowed.push_back(key);
+    for (const char* key : {"kind", "name", "caption", "where", "only"}) allowed.push_back(key);
     strict_.known_keys(node, below, allowed);
     p.name = strict_.text(node, below, "name");
     p.caption = strict_.text(node, below, "caption");

@@ -14,18 +14,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
+const std::vector<std::string> best_first(figure_qualities.rbegin(), figure_qualities.rend());
 constexpr const char *begin_mark = "<!-- figures: begin -->", *end_mark = "<!-- figures: end -->";
 
 struct Shown {
-  Figure figure;
+  Figure figure;  ///< at the best quality there is
   std::string quality;
-  std::vector<VerdictRow> rows;
+  std::vector<VerdictRow> rows;  ///< each test at the best quality that asks it
 };
 
 std::string counts_of(const std::vector<Shown>& all) {
   std::map<std::string, std::map<std::string, int>> counts;  // by quality and verdict
   for (const Shown& one : all)
-    for (const VerdictRow& row : one.rows) ++counts[one.quality][row.verdict];
+    for (const VerdictRow& row : one.rows) ++counts[row.quality][row.verdict];
   std::string text = "| quality | tests | pass | differ | fail |\n|---|---|---|---|---|\n";
   for (const auto& [quality, by] : counts) {
     const auto n = [&](const char* verdict) { return by.count(verdict) ? by.at(verdict) : 0; };
@@ -58,18 +59,19 @@ std::string contradictions_of(const std::vector<Shown>& all) {
   return text.empty() ? "None.\n" : text;
 }
 
-std::string section_of(const Shown& one, const std::string& pictures) {
+std::string section_of(const Shown& one, const std::map<std::string, std::string>& pictures,
+                       const std::string& folder) {
   const Figure& figure = one.figure;
   std::string text = fmt::format("### {} {}\n\n{}\n\n", figure.number, figure.title, figure.finding);
   if (!figure.note.empty()) text += figure.note + "\n\n";
   text += fmt::format("`configs/figures/{}`, {}, {} s of runs\n\n", figure.file.filename().string(),
                       one.quality, one.rows.front().seconds);
-  text += "| test | measured | thesis | verdict |\n|---|---|---|---|\n";
+  text += "| test | quality | measured | thesis | verdict |\n|---|---|---|---|---|\n";
   for (const VerdictRow& row : one.rows)
-    text += fmt::format("| {} | {} | {} | {} |\n", row.test, row.measured, row.bound, row.verdict);
+    text += fmt::format("| {} | {} | {} | {} | {} |\n", row.test, row.quality, row.measured, row.bound,
+                        row.verdict);
   text += '\n';
-  for (const FigurePicture& picture : figure.pictures)
-    text += fmt::format("![{}]({}/{})\n\n", picture.caption, pictures, picture_name(figure, picture));
+  for (const auto& [name, caption] : pictures) text += fmt::format("![{}]({}/{})\n\n", caption, folder, name);
   return text;
 }
 
@@ -78,31 +80,35 @@ std::string section_of(const Shown& one, const std::string& pictures) {
 void write_figures_page(const std::vector<fs::path>& files, const fs::path& out, const fs::path& page) {
   const std::vector<VerdictRow> rows = read_verdicts(out / "verdicts.csv");
   std::vector<Shown> all;
-  for (const fs::path& file : figure_files(files))
-    for (auto quality = figure_qualities.rbegin(); quality != figure_qualities.rend(); ++quality) {
-      std::vector<VerdictRow> its;
-      std::ranges::copy_if(rows, std::back_inserter(its), [&](const VerdictRow& row) {
-        return row.figure == file.stem().string() && row.quality == *quality;
-      });
-      if (its.empty()) continue;
-      all.push_back({read_figure(file, *quality), *quality, std::move(its)});
-      break;
-    }
+  for (const fs::path& file : figure_files(files)) {
+    std::vector<VerdictRow> its;
+    for (const std::string& quality : best_first)
+      for (const VerdictRow& row : rows)
+        if (row.figure == file.stem().string() && row.quality == quality &&
+            std::ranges::count(its, row.test, &VerdictRow::test) == 0)
+          its.push_back(row);
+    if (its.empty()) continue;
+    const std::string quality = its.front().quality;
+    all.push_back({read_figure(file, quality), quality, std::move(its)});
+  }
   if (all.empty())
     throw std::invalid_argument((out / "verdicts.csv").string() +
                                 ": has no verdicts. Run hourglass figures first.");
 
-  const std::string pictures = page.stem().string();
-  fs::create_directories(page.parent_path() / pictures);
+  const std::string folder = page.stem().string();
+  fs::create_directories(page.parent_path() / folder);
   std::string text = fmt::format("\n{}\n{}\n## Where hourglass contradicts the thesis\n\n{}\n## Figures\n\n",
                                  counts_of(all), list_of(all), contradictions_of(all));
   for (const Shown& one : all) {
-    text += section_of(one, pictures);
-    for (const FigurePicture& picture : one.figure.pictures) {
-      const std::string name = picture_name(one.figure, picture);
-      if (const fs::path from = out / one.quality / "pictures" / name; fs::exists(from))
-        fs::copy_file(from, page.parent_path() / pictures / name, fs::copy_options::overwrite_existing);
-    }
+    std::map<std::string, std::string> pictures;  // captions by name
+    for (const std::string& quality : best_first)
+      for (const FigurePicture& picture : read_figure(one.figure.file, quality).pictures) {
+        const std::string name = picture_name(one.figure, picture);
+        const fs::path from = out / quality / "pictures" / name;
+        if (fs::exists(from) && pictures.emplace(name, picture.caption).second)
+          fs::copy_file(from, page.parent_path() / folder / name, fs::copy_options::overwrite_existing);
+      }
+    text += section_of(one, pictures, folder);
   }
   // What is written by hand around the marks stays.
   const std::string before = text_at(page);
