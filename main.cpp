@@ -29,6 +29,7 @@
 #include "io/start.hpp"
 #include "solver/simulation.hpp"
 #include "studies/extrapolation.hpp"
+#include "studies/figures.hpp"
 #include "studies/limits.hpp"
 #include "studies/measure.hpp"
 #include "studies/report.hpp"
@@ -76,6 +77,8 @@ class SignalWatch : public Observer {
 struct Arguments {
   std::string scene, study, out, run, executor = "local";
   std::vector<std::string> sets, overlays;
+  std::vector<std::filesystem::path> files{"configs/figures"};
+  std::string quality = "quick", page;
   RenderOptions render;
   MeasureOptions measure;
   std::optional<double> budget;
@@ -256,6 +259,24 @@ int report(const Arguments& a) {
   return finished;
 }
 
+int figures(const Arguments& a) {
+  SignalWatch watch;
+  const std::string out = a.out.empty() ? "figures" : a.out;
+  if (!a.page.empty()) {
+    write_figures_page(a.files, out, a.page);
+    return finished;
+  }
+  const FiguresResult result = make_figures({.files = a.files,
+                                             .quality = a.quality,
+                                             .out = out,
+                                             .jobs = a.jobs,
+                                             .force = a.force,
+                                             .dry_run = a.dry_run,
+                                             .observers = {&watch}});
+  if (result.interrupted) return by_signal + caught_signal;
+  return result.fail > 0 ? failed : finished;
+}
+
 int measure(const Arguments& a) {
   hourglass::measure(a.run, a.measure);
   return finished;
@@ -340,6 +361,26 @@ int main(int argc, char** argv) {
   sweep_command->add_flag("--resume", a.resume, "go on with a sweep, as happens without it too");
   sweep_command->add_flag("--force", a.force, "begin anew in the same folder");
   sweep_command->add_flag("--dry-run", a.dry_run, "print the runs and about how long they take");
+
+  CLI::App* figures_command =
+      app.add_subcommand("figures", "the figures of the thesis: run, judged by what each must show, drawn");
+  figures_command->add_option("files", a.files, "figure files, or folders of them (default: configs/figures)")
+      ->type_name("FILE|FOLDER")
+      ->check(CLI::ExistingPath);
+  figures_command->add_option("--quality", a.quality, "quick: coarse grids; full: 256 cells across")
+      ->check(CLI::IsMember(std::vector<std::string>{"quick", "full"}));
+  figures_command
+      ->add_option("--jobs", a.jobs, "runs at a time (default: by the cores and the cells of the runs)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
+  figures_command
+      ->add_option("--out", a.out, "folder (default: figures); what has ended in it is not run again")
+      ->type_name("DIR");
+  figures_command
+      ->add_option("--page", a.page, "only write a page of the verdicts and pictures that are there")
+      ->type_name("FILE.md");
+  figures_command->add_flag("--force", a.force, "run these figures anew");
+  figures_command->add_flag("--dry-run", a.dry_run, "print the runs and about how long they take");
 
   CLI::App* measure_command =
       app.add_subcommand("measure", "figures of merit, fits and plots of a stored run or sweep");
@@ -429,6 +470,7 @@ int main(int argc, char** argv) {
     if (*limits_command) return limits(a);
     if (*trade_command) return trade(a);
     if (*sweep_command) return sweep(a);
+    if (*figures_command) return figures(a);
     if (*measure_command) return measure(a);
     if (*report_command) return report(a);
     if (*fit_command) return fit(a);

@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "solver/diagnostics.hpp"
+
 namespace hourglass {
 namespace {
 
@@ -83,6 +85,15 @@ double BeverlooFit::rate(const std::vector<double>& widths) const {
 double BeverlooFit::rate_interval(const std::vector<double>& widths) const {
   const Eigen::Vector3d d = slope(value, widths);
   return student * std::sqrt(d.dot(covariance * d));
+}
+
+DischargePoint discharge_point(const Scene& scene, double rate) {
+  const double d = scene.materials[0].diameter;
+  DischargePoint point{{}, rate / discharge_scale(scene, d)};
+  for (const Orifice& orifice : scene.orifices)
+    point.widths.insert(point.widths.end(), static_cast<std::size_t>(images(scene, orifice)),
+                        orifice.width / d);
+  return point;
 }
 
 BeverlooFit fit_beverloo(const std::vector<DischargePoint>& points, const BeverlooHeld& held,

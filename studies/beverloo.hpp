@@ -7,12 +7,17 @@
 #include <optional>
 #include <vector>
 
+#include "solver/scene.hpp"
+
 namespace hourglass {
 
 struct DischargePoint {
   std::vector<double> widths;  ///< of all orifices [d]
   double rate = 0;             ///< over rho sqrt(g) d^m
 };
+
+/// All orifices of the whole silo, and its rate [M/T].
+DischargePoint discharge_point(const Scene& scene, double rate);
 
 struct BeverlooFit {
   std::array<double, 3> value{};  ///< C, k, n

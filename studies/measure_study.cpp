@@ -196,13 +196,7 @@ class StudyMeasure {
     return {discharge_scale(scene, d), scene.axisymmetric() ? 2.5 : 1.5};
   }
 
-  static DischargePoint point_of(const Row& row) {
-    DischargePoint point{{}, row.rate / scale_of(row.scene).first};
-    for (const Orifice& orifice : row.scene.orifices)
-      point.widths.insert(point.widths.end(), static_cast<std::size_t>(images(row.scene, orifice)),
-                          orifice.width / row.scene.materials[0].diameter);
-    return point;
-  }
+  static DischargePoint point_of(const Row& row) { return discharge_point(row.scene, row.rate); }
 
   struct Model {
     const char* name;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -13,6 +12,7 @@
 #include "io/scene_yaml.hpp"
 #include "io/yaml_tree.hpp"
 #include "studies/formula.hpp"
+#include "studies/strict_reader.hpp"
 #include "studies/sweep_table.hpp"
 
 namespace hourglass {
@@ -22,69 +22,50 @@ using Kind = YamlNode::Kind;
 
 constexpr int most_values = 1000, most_runs = 10000, most_messages = 20;
 
-std::optional<double> number_in(const std::string& text) {
-  double value = 0;
-  const char *begin = text.data(), *end = begin + text.size();
-  const auto [stop, error] = std::from_chars(begin, end, value);
-  return error == std::errc() && stop == end && std::isfinite(value) ? std::optional(value) : std::nullopt;
+/// A value as it stands in a file, on one line: what --set takes.
+std::string flow_text(const YamlNode& node) {
+  std::vector<std::string> parts;
+  switch (node.kind) {
+    case Kind::null:
+      return "null";
+    case Kind::scalar: {
+      if (!node.quoted) return node.text;
+      std::string text = "'";
+      for (const char c : node.text) text += c == '\'' ? "''" : std::string(1, c);
+      return text + "'";
+    }
+    case Kind::list:
+      for (const YamlNode& item : node.items) parts.push_back(flow_text(item));
+      return fmt::format("[{}]", fmt::join(parts, ", "));
+    case Kind::map:
+      for (const auto& [key, value] : node.keys) parts.push_back(key + ": " + flow_text(value));
+      return fmt::format("{{{}}}", fmt::join(parts, ", "));
+  }
+  return {};
 }
 
 class StudyReader {
  public:
-  explicit StudyReader(const std::filesystem::path& file) { study_.file = file; }
+  explicit StudyReader(StrictReader& strict) : strict_(strict) { study_.file = strict.file(); }
 
-  Study read() {
-    try {
-      root_ = parse_yaml(read_yaml_text(study_.file, "study"));
-    } catch (const YamlError& error) {
-      say(error.line, "", error.what());
-      refuse();
-    }
-    if (root_.kind != Kind::map) {
-      say(root_.line, "",
-          fmt::format("found {} (expected a study: a map of scene, axes, set).", what_is(root_)));
-      refuse();
-    }
-    static const std::vector<std::string> allowed{"name", "scene", "axes", "paired", "set", "keep"};
-    known_keys(root_, "", allowed);
+  Study read(const YamlNode& root, bool part) {
+    root_ = root;
     read_names();
-    read_axes();
+    if (!part || root_.find("axes")) read_axes();
+    read_cases();
     read_pairs();
     read_settings();
     read_keep();
-    refuse();
+    strict_.refuse();
     return std::move(study_);
   }
 
  private:
-  void say(int line, const std::string& key, const std::string& what) {
-    wrong_.push_back(fmt::format("{}{}{}{}: {}", study_.file.string(),
-                                 line > 0 ? fmt::format(":{}", line) : "", key.empty() ? "" : " ", key,
-                                 what));
-  }
-  void refuse() const {
-    if (!wrong_.empty()) throw std::invalid_argument(fmt::format("{}", fmt::join(wrong_, "\n")));
-  }
-
+  void say(int line, const std::string& key, const std::string& what) { strict_.say(line, key, what); }
   void known_keys(const YamlNode& map, const std::string& below, const std::vector<std::string>& allowed) {
-    for (std::size_t k = 0; k < map.keys.size(); ++k) {
-      const auto& [key, value] = map.keys[k];
-      const std::string path = below + shown(key);
-      if (std::ranges::count(allowed, key) == 0) {
-        const std::string meant = nearest(key, allowed);
-        say(value.line, path,
-            fmt::format("unknown key (allowed: {}).{}", fmt::join(allowed, ", "),
-                        meant.empty() ? " Remove it." : fmt::format(" Did you mean '{}'?", meant)));
-      }
-    }
-    once(map, below);
+    strict_.known_keys(map, below, allowed);
   }
-  void once(const YamlNode& map, const std::string& below) {
-    for (std::size_t k = 0; k < map.keys.size(); ++k)
-      for (std::size_t i = 0; i < k; ++i)
-        if (map.keys[i].first == map.keys[k].first)
-          say(map.keys[k].second.line, below + shown(map.keys[k].first), "is given twice. Keep one.");
-  }
+  void once(const YamlNode& map, const std::string& below) { strict_.once(map, below); }
 
   void read_names() {
     study_.name = study_.file.stem().string();
@@ -108,6 +89,7 @@ class StudyReader {
 
   void read_axes() {
     const YamlNode* axes = root_.find("axes");
+    if (!axes && root_.find("cases")) return;
     if (!axes || axes->kind != Kind::map || axes->keys.empty()) {
       say(axes ? axes->line : 0, "axes",
           fmt::format("{} (expected a map of one axis or more). Add axes: {{gap: [0, 2, 5]}}.",
@@ -117,14 +99,51 @@ class StudyReader {
     once(*axes, "axes.");
     for (const auto& [name, node] : axes->keys) {
       const std::string key = "axes." + shown(name);
-      if (!is_formula_name(name) || name.size() > 100)
+      check_name(name, node.line, key);
+      study_.axes.push_back({name, values_of(node, key), node.line, {}});
+    }
+  }
+  void check_name(const std::string& name, int line, const std::string& key) {
+    if (!is_formula_name(name) || name.size() > 100)
+      say(line, key,
+          "is no name for an axis (letters, digits, _ and dots, a letter first; not min, max, abs, sqrt). "
+          "Rename it.");
+    if (std::ranges::count(figures_of_merit, name) > 0 || name == "run" || name == "status" ||
+        name == "reason")
+      say(line, key, "is a column that results.csv has already. Rename it.");
+    if (std::ranges::count(study_.axes, name, &StudyAxis::name) > 0)
+      say(line, key, "is an axis already. Rename it.");
+  }
+
+  void read_cases() {
+    const YamlNode* cases = root_.find("cases");
+    if (!cases) return;
+    if (cases->kind != Kind::map || cases->keys.empty()) {
+      say(cases->line, "cases",
+          fmt::format("found {} (expected a map of axes: {{insert: {{none: {{}}, square: {{<scene path>: "
+                      "<value>}}}}}}).",
+                      what_is(*cases)));
+      return;
+    }
+    once(*cases, "cases.");
+    for (const auto& [name, node] : cases->keys) {
+      const std::string key = "cases." + shown(name);
+      check_name(name, node.line, key);
+      StudyAxis axis{name, {}, node.line, {}};
+      if (node.kind != Kind::map || node.keys.empty() || node.keys.size() > most_values)
         say(node.line, key,
-            "is no name for an axis (letters, digits, _ and dots, a letter first; not min, max, abs, sqrt). "
-            "Rename it.");
-      if (std::ranges::count(figures_of_merit, name) > 0 || name == "run" || name == "status" ||
-          name == "reason")
-        say(node.line, key, "is a column that results.csv has already. Rename it.");
-      study_.axes.push_back({name, values_of(node, key), node.line});
+            fmt::format("found {} (expected 1 to {} named cases).", what_is(node), most_values));
+      once(node, key + ".");
+      for (const auto& [value, sets] : node.keys) {
+        axis.values.push_back(value);
+        std::vector<StudySetting>& settings = axis.cases.emplace_back();
+        if (sets.kind != Kind::map && sets.kind != Kind::null)
+          say(sets.line, key + '.' + shown(value),
+              fmt::format("found {} (expected a map of scene paths to values, or {{}}).", what_is(sets)));
+        once(sets, key + '.' + shown(value) + '.');
+        for (const auto& [path, at] : sets.keys) settings.push_back({path, flow_text(at), false, at.line});
+      }
+      study_.axes.push_back(std::move(axis));
     }
   }
 
@@ -150,7 +169,7 @@ class StudyReader {
   }
 
   std::vector<std::string> range_of(const YamlNode& node, const std::string& key) {
-    const std::size_t before = wrong_.size();
+    const std::size_t before = strict_.said();
     known_keys(node, key + ".", {"from", "to", "count", "scale"});
     const auto number = [&](const char* name) {
       const YamlNode* at = node.find(name);
@@ -165,7 +184,7 @@ class StudyReader {
     const bool log = scale && scale->text == "log";
     if (scale && !log && scale->text != "linear")
       say(scale->line, key + ".scale", fmt::format("found {} (allowed: linear, log).", what_is(*scale)));
-    if (wrong_.size() > before) return {};
+    if (strict_.said() > before) return {};
     if (count < 2 || count > most_values || count != std::floor(count))
       say(node.line, key + ".count",
           fmt::format("{} is out of range (a whole number from 2 to {}).", count, most_values));
@@ -173,7 +192,7 @@ class StudyReader {
     if (log && (from <= 0 || to <= 0))
       say(node.line, key + ".from",
           "a log range needs from and to above 0. Mend them, or take scale: linear.");
-    if (wrong_.size() > before) return {};
+    if (strict_.said() > before) return {};
     std::vector<std::string> values;
     const int n = static_cast<int>(count);
     for (int k = 0; k < n; ++k) {
@@ -206,7 +225,7 @@ class StudyReader {
     for (const std::vector<int>& group : study_.groups)
       runs *= static_cast<double>(study_.axes[group[0]].values.size());
     if (runs > most_runs)
-      say(root_.find("axes")->line, "axes",
+      say(study_.axes.front().line, "axes",
           fmt::format("are {} runs (at most {}). Shorten them, or pair axes that advance together (paired).",
                       runs, most_runs));
   }
@@ -260,6 +279,7 @@ class StudyReader {
     }
     for (const StudyAxis& axis : study_.axes) {
       const bool is_path = axis.name.find('.') != std::string::npos;
+      if (!axis.cases.empty()) continue;
       if (is_path && !(set && set->find(axis.name))) {
         study_.settings.push_back({axis.name, axis.name, true, axis.line});
       } else if (used.count(axis.name) == 0) {
@@ -306,13 +326,13 @@ class StudyReader {
     }
   }
 
+  StrictReader& strict_;
   Study study_;
   YamlNode root_;
-  std::vector<std::string> wrong_;
 };
 
 /// What a setting gives a run, as for --set.
-std::string value_for(const Study& study, const Study::Setting& setting, const StudyRun& run) {
+std::string value_for(const Study& study, const StudySetting& setting, const StudyRun& run) {
   if (!setting.is_formula) return setting.text;
   std::map<std::string, double> numbers;
   for (std::size_t a = 0; a < study.axes.size(); ++a) {
@@ -365,7 +385,14 @@ std::string StudyRun::text(const Study& study) const {
   return fmt::format("{}", fmt::join(parts, " "));
 }
 
-Study read_study(const std::filesystem::path& file) { return StudyReader(file).read(); }
+Study read_study(const std::filesystem::path& file) {
+  StrictReader strict(file, "study");
+  const YamlNode root = strict.root();
+  strict.known_keys(root, "", study_keys);
+  return StudyReader(strict).read(root, false);
+}
+
+Study study_in(const YamlNode& root, StrictReader& strict) { return StudyReader(strict).read(root, true); }
 
 std::vector<StudyRun> runs_of(const Study& study, std::vector<std::string>& warnings) {
   std::vector<StudyRun> runs;
@@ -383,10 +410,16 @@ std::vector<StudyRun> runs_of(const Study& study, std::vector<std::string>& warn
     const std::string who = fmt::format("{}: {}", run.name, run.text(study));
     std::vector<std::string> sets;
     std::map<std::string, std::string> places;  // of diagnostics, by what load_scene() calls them
-    const auto place_of = [&](const Study::Setting& setting) {
+    const auto place_of = [&](const StudySetting& setting) {
       return fmt::format("{}:{} {}", study.file.string(), setting.line, shown(setting.path));
     };
-    for (const Study::Setting& setting : study.settings) {
+    std::vector<StudySetting> settings = study.settings;
+    for (std::size_t a = 0; a < study.axes.size(); ++a)
+      if (const StudyAxis& axis = study.axes[a]; !axis.cases.empty()) {
+        const auto& chosen = axis.cases[std::ranges::find(axis.values, run.values[a]) - axis.values.begin()];
+        settings.insert(settings.end(), chosen.begin(), chosen.end());
+      }
+    for (const StudySetting& setting : settings) {
       try {
         sets.push_back(setting.path + '=' + value_for(study, setting, run));
         places["--set " + shown(sets.back())] = place_of(setting);

@@ -42,11 +42,12 @@ std::string last_line(const std::string& text) {
 
 class Sweep {
  public:
-  explicit Sweep(const SweepOptions& options)
-      : o_(options), study_(read_study(options.study)), runs_(runs_of(study_, warnings_)),
+  Sweep(Study study, const SweepOptions& options)
+      : o_(options), study_(std::move(study)), runs_(runs_of(study_, warnings_)),
         folder_(options.out.empty() ? fs::path("sweeps") / study_.name : options.out),
         cores_(std::max(1, static_cast<int>(std::thread::hardware_concurrency()))) {
-    for (const std::string& warning : warnings_) fmt::print(stderr, "{}\n", warning);
+    for (const std::string& warning : o_.warn ? warnings_ : std::vector<std::string>{})
+      fmt::print(stderr, "{}\n", warning);
     for (const StudyRun& run : runs_)
       seconds_.push_back(cell_step_seconds * static_cast<double>(run.scene.patch().cells()) *
                          expected_steps(run.scene, expected_speed(run.scene)));
@@ -69,6 +70,7 @@ class Sweep {
     leave_jobs_alone();
     prepare();
     table_.emplace(folder_ / "results.csv", study_.axes, runs_);
+    find_equal_runs();
     if (slurm_)
       by_slurm();
     else
@@ -240,6 +242,18 @@ class Sweep {
       if (!fs::exists(input(r))) write_atomically(input(r), to_yaml(runs_[r].scene));
   }
 
+  void find_equal_runs() {
+    if (o_.equal_runs_in.empty()) return;
+    for (const auto& sweep : fs::directory_iterator(o_.equal_runs_in)) {
+      if (!fs::is_directory(sweep.path() / own_folders[0])) continue;
+      for (const auto& scene : fs::directory_iterator(sweep.path() / own_folders[0])) {
+        const fs::path run = sweep.path() / own_folders[2] / scene.path().stem();
+        if (const auto found = summary_of(run); found && found->at("status") != "interrupted")
+          equal_.emplace(text_at(scene.path()), fs::canonical(run));
+      }
+    }
+  }
+
   // ---- runs --------------------------------------------------------------------------------------------------
 
   /// False if there is no room for it yet.
@@ -247,6 +261,12 @@ class Sweep {
     if (table_->has(r)) return true;
     if (const auto found = summary_of(run_folder(r)); found && found->at("status") != "interrupted") {
       add(r, *found);  // of a process that was killed before it came to its row
+      return true;
+    }
+    if (const auto equal = equal_.find(text_at(input(r))); equal != equal_.end()) {
+      fs::remove_all(run_folder(r));
+      fs::create_directory_symlink(equal->second, run_folder(r));
+      add(r, *summary_of(run_folder(r)));
       return true;
     }
     if (!room_for(r)) return false;
@@ -314,6 +334,7 @@ class Sweep {
   std::vector<double> seconds_;  ///< by run, foreseen on one thread
   std::optional<SweepTable> table_;
   std::vector<Going> going_;
+  std::map<std::string, fs::path> equal_;  ///< run folders of other sweeps by the text of their scenes
   std::optional<Slurm> slurm_;
   int lost_ = 0;
   bool interrupted_ = false, told_ = false, silent_ = false;
@@ -322,9 +343,11 @@ class Sweep {
 
 }  // namespace
 
-SweepResult sweep(const SweepOptions& options) {
-  Sweep all(options);
+SweepResult sweep(const Study& study, const SweepOptions& options) {
+  Sweep all(study, options);
   return options.dry_run ? all.dry_run() : all.to_end();
 }
+
+SweepResult sweep(const SweepOptions& options) { return sweep(read_study(options.study), options); }
 
 }  // namespace hourglass

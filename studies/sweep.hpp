@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "solver/simulation.hpp"
+#include "studies/study.hpp"
 
 namespace hourglass {
 
@@ -22,6 +23,9 @@ struct SweepOptions {
   int jobs = 0;
   bool force = false;  ///< without what is in the folder
   bool dry_run = false;
+  bool warn = true;  ///< of what is doubtful about the scenes
+  /// Holds folders of other sweeps: what has ended there is linked to instead of run again where the scenes are equal.
+  std::filesystem::path equal_runs_in{};
   std::vector<Observer*> observers{};  ///< asked whether to stop
   std::filesystem::path program =
       "/proc/self/exe";  ///< called as hourglass run SCENE --out DIR --quiet --threads N
@@ -37,5 +41,8 @@ struct SweepResult {
 /// of its scenes is wrong, the folder holds another study or another process works in it; std::runtime_error if it
 /// cannot be written.
 SweepResult sweep(const SweepOptions& options);
+
+/// The same of a study that is read already; options.study is not looked at.
+SweepResult sweep(const Study& study, const SweepOptions& options);
 
 }  // namespace hourglass

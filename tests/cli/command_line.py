@@ -54,7 +54,7 @@ class CommandLine(unittest.TestCase):
 
     def test_help_and_version(self):
         for command in ([], ["run"], ["check"], ["plan"], ["limits"], ["render"], ["trade"], ["fit"], ["sweep"],
-                        ["measure"], ["report"]):
+                        ["figures"], ["measure"], ["report"]):
             result = self.hourglass(*command, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("--help", result.stdout)
@@ -375,6 +375,24 @@ class CommandLine(unittest.TestCase):
             self.assertEqual(len(list(csv.DictReader(file))), 8)
         for name in ("discharge_rate", "normalised", "beverloo"):
             self.assertGreater(os.path.getsize(self.path(f"sweeps/widths/plots/{name}.png")), 1000)
+
+    def test_a_figure_to_its_verdicts_and_its_page(self):
+        figures = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../configs/figures")
+        result = self.hourglass("figures", os.path.join(figures, "4_02_radial.yaml"))
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+        with open(self.path("figures/verdicts.csv")) as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([row["verdict"] for row in rows], ["pass", "pass", "pass", "differs"])
+        self.assertEqual(rows[0]["measured"], "0.7441")
+        again = self.hourglass("figures", os.path.join(figures, "4_02_radial.yaml"))
+        self.assertNotIn("[1/1]", again.stdout)
+        page = self.hourglass("figures", figures, "--page", "page.md")
+        self.assertEqual(page.returncode, 0, page.stderr)
+        with open(self.path("page.md")) as file:
+            text = file.read()
+        self.assertIn("| quick | 4 | 3 | 1 | 0 |", text)
+        self.assertGreater(os.path.getsize(self.path("page/4_02_radial_error.png")), 1000)
+        self.refuse("figures", "nowhere", says=["nowhere"])
 
     def test_measure_of_a_run(self):
         self.scene(materials="materials: {sand: {mu_s: 0.32, delta_mu: 0.28, I_0: 0.4}, tracer: {mu_s: 0.32, "

@@ -82,9 +82,9 @@ TEST_CASE("a study: what is wrong has its file, line, key and cure") {
   const std::string good = "axes: {time.end: [1, 2]}\n";
   CHECK(files.runs(good).size() == 2);
   files.refuses("axes:\n  gap: [1]\n", "study.yaml:3 axes.gap: changes nothing: no formula of set names it");
-  files.refuses(
-      good + "axis: 1\n",
-      "study.yaml:3 axis: unknown key (allowed: name, scene, axes, paired, set, keep). Did you mean 'axes'?");
+  files.refuses(good + "axis: 1\n",
+                "study.yaml:3 axis: unknown key (allowed: name, scene, axes, cases, paired, set, keep). Did "
+                "you mean 'axes'?");
   files.refuses("axes: {time.end: []}\n",
                 "study.yaml:2 axes.time.end: found a list of 0 (expected a list of 1 to 1000 values");
   files.refuses("axes: {time.end: [1, 1]}\n", "axes.time.end: has 1 twice");
@@ -116,6 +116,28 @@ TEST_CASE("a study: what is wrong has its file, line, key and cure") {
   files.refuses(
       "axes: {a: {from: 1, to: 2, count: 1000}, b: {from: 1, to: 2, count: 11}}\nset: {time.end: a + b}\n",
       "are 11000 runs (at most 10000)");
+}
+
+TEST_CASE("a study: named cases each set what they say") {
+  const StudyFiles files;
+  const auto runs = files.runs(
+      "axes: {time.end: [1, 2]}\n"
+      "cases:\n"
+      "  insert:\n"
+      "    none: {}\n"
+      "    square: {inserts: [{shape: square, centre: [75, 60], width: 30}], time.cfl: 0.25}\n");
+  REQUIRE(runs.size() == 4);
+  CHECK(runs[3].values == std::vector<std::string>{"2", "square"});
+  CHECK(runs[2].scene.inserts.empty());
+  REQUIRE(runs[3].scene.inserts.size() == 1);
+  CHECK(runs[3].scene.inserts[0].width == 30);
+  CHECK(runs[3].scene.time.cfl == 0.25);
+  CHECK(runs[3].scene.time.end == 2);
+  CHECK(files.runs("cases: {a: {x: {time.end: 3}}}\n")[0].scene.time.end == 3);
+  files.refuses("axes: {a: [1]}\ncases: {a: {x: {}}}\nset: {time.end: a}\n", "cases.a: is an axis already");
+  files.refuses("cases: {a: {x: 3}}\n",
+                "cases.a.x: found the number 3 (expected a map of scene paths to values");
+  files.refuses("cases: {a: {x: {time.edn: 3}}}\n", "study.yaml:2 time.edn: unknown key");
 }
 
 TEST_CASE("the studies in configs are sound") {

@@ -186,6 +186,22 @@ TEST_CASE("a sweep goes on: only what is missing runs, and more values may be ad
   CHECK(csv_rows(six.table())[6][1] == "8");
 }
 
+TEST_CASE("a sweep takes over what another one has run of an equal scene") {
+  const StudyOfSix six;
+  sweep(six.options(2));
+  six.study("[7, 6, 1]");
+  SweepOptions second = six.options(1);
+  second.out = six.folder() / "second";
+  second.equal_runs_in = second.out.parent_path();
+  CHECK(sweep(second).failed == 0);
+  const std::string calls = text_at(second.out / "calls");
+  CHECK(std::count(calls.begin(), calls.end(), '\n') == 1);  // 7
+  CHECK(fs::is_symlink(second.out / "runs/0002"));
+  const auto rows = csv_rows(text_at(second.out / "results.csv"));
+  REQUIRE(rows.size() == 4);
+  CHECK(rows[2][3] == "1.5");
+}
+
 TEST_CASE("a sweep leaves alone what it has not written, and one folder has one sweep") {
   const StudyOfSix six;
   fs::create_directories(six.folder() / "out/runs");
