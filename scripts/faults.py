@@ -83,7 +83,8 @@ class Bench:
     def start(self, out, *arguments, env=None):
         """A run that has told something."""
         process = subprocess.Popen(self.command(out, *arguments), cwd=self.folder, stdout=subprocess.DEVNULL,
-                                   stderr=subprocess.PIPE, text=True, env={**os.environ, **(env or {})})
+                                   stderr=subprocess.PIPE, text=True, env={**os.environ, **(env or {})},
+                                   preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL))  # under nohup too
         for _ in range(6000):
             if process.poll() is not None or len(self.rows(out)) > 2:
                 return process
@@ -492,22 +493,22 @@ def two_runs(b):
     return "2: `shared: " + result.stderr.strip().split("\n")[-1].split(": ", 1)[1] + "`"
 
 
-@fault("`--threads` 1 to 64 and 1000 on this machine's cores, at the start and at a resume", "the same bits")
+@fault("`--threads` 1 to 64 on two cores, at the start and at a resume", "the same bits")
 def threads(b):
-    counts = [1, 2, 3, 4, 5, 7, 8, 12, 16, 24, 32, 48, 64, 1000]
-    short = ("--set", "time.max_steps=60")
+    counts = [1, 2, 3, 4, 7, 8, 16, 32, 64]
+    short = ("--set", "time.max_steps=40")
     result = b.run("one_thread", *short)
     check(result.returncode == 0, result.stderr)
     expected = b.rows("one_thread")
     for count in counts:
-        for arguments in ((*short, "--threads"), ("--set", "time.max_steps=30", "--threads")):
+        for arguments in ((*short, "--threads"), ("--set", "time.max_steps=20", "--threads")):
             out = f"threads{count}_{len(arguments)}{arguments[1]}"
             command = [word for word in b.command(out) if word not in ("--threads", "1")]
             done = subprocess.run([*command, *arguments, str(count)], capture_output=True, text=True)
             check(done.returncode == 0, f"{count}: {done.stderr}")
         done = subprocess.run([*command, "--resume", *short, "--threads", str(count)], capture_output=True, text=True)
         check(done.returncode == 0, f"{count}: {done.stderr}")
-        for out in (f"threads{count}_3time.max_steps=60", f"threads{count}_3time.max_steps=30"):
+        for out in (f"threads{count}_3time.max_steps=40", f"threads{count}_3time.max_steps=20"):
             check(b.rows(out) == expected, f"{count} threads: other bits")
             check(same_frames(b.frames(out), b.frames("one_thread")), f"{count} threads: other bits")
     return f"{len(counts)} of {len(counts)} equal to the last bit (on {os.cpu_count()} cores)"
@@ -542,7 +543,6 @@ def main():
     parser.add_argument("--only", default="", help="faults whose function has this word in its name")
     parser.add_argument("--write", action="store_true", help="fill the table of docs/reliability.md")
     options = parser.parse_args()
-    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # under nohup runs would not hear it
     bench = Bench(options.program, options.kills)
     lines, failed = [], 0
     try:
