@@ -197,7 +197,22 @@ fs::path run_folder_of(const Scene& scene, const RunOptions& options) {
   return options.out.empty() ? default_run_folder(scene.name) : options.out;
 }
 
+/// What a run writes stays in its folder. Throws std::invalid_argument where a link would lead it elsewhere.
+static void refuse_links(const fs::path& folder) {
+  std::vector<std::string> names{"snapshots", "pictures", "frames"};
+  for (const char* name : file_names)
+    for (const char* suffix : {"", ".new"}) names.push_back(fmt::format("{}{}", name, suffix));
+  for (const std::string& name : names)
+    if (fs::is_symlink(folder / name))
+      refuse(
+          folder,
+          fmt::format("{} is a link, and a run writes into its own folder only; remove it, or choose another "
+                      "folder with --out",
+                      name));
+}
+
 bool holds_run(const fs::path& folder) {
+  refuse_links(folder);
   if (!fs::exists(folder)) return false;
   if (!fs::is_directory(folder)) refuse(folder, "is a file; choose another folder with --out");
   const std::vector<fs::path> found = files_of_run(folder);

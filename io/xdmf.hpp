@@ -58,6 +58,8 @@ class FieldReader {
   Frame read(int frame, const std::vector<std::string>& fields) const;
 
  private:
+  void read_info();
+
   std::filesystem::path h5_;
   RunInfo info_;
   std::vector<double> times_;

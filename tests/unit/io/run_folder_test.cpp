@@ -237,6 +237,19 @@ TEST_CASE("files that no run wrote are never replaced", "[io]") {
   CHECK_THROWS_AS(RunFolder(small_silo(), "", {"/proc/nowhere/x", false, true}), std::runtime_error);
 }
 
+TEST_CASE("links in a run folder lead no write out of it", "[io]") {
+  const Folder folder;
+  fs::create_directories(folder.path / "elsewhere");
+  for (const char* name : {"snapshots", "series.csv", "fields.h5.new", "checkpoint.h5"}) {
+    fs::create_symlink(folder.path / "elsewhere" / name, folder.path / name);
+    CHECK_THROWS_WITH(RunFolder(small_silo(), "", {folder.path, true, true}),
+                      Catch::Contains(std::string(name) + " is a link"));
+    fs::remove(folder.path / name);
+  }
+  CHECK(fs::is_empty(folder.path / "elsewhere"));
+  CHECK(std::distance(fs::directory_iterator(folder.path), {}) == 1);
+}
+
 TEST_CASE("a run that could not begin does not stand in the way of the next", "[io]") {
   const Folder folder;
   fs::create_directories(folder.path);

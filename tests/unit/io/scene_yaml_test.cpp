@@ -89,7 +89,8 @@ void expect_unreadable(const std::string& text, const std::vector<std::string>& 
 std::vector<fs::path> configs() {
   std::vector<fs::path> all;
   for (const auto& entry : fs::recursive_directory_iterator(root / "configs"))
-    if (entry.path().extension() == ".yaml" && entry.path().parent_path().filename() != "studies")
+    if (const fs::path folder = entry.path().parent_path().filename();
+        entry.path().extension() == ".yaml" && folder != "studies" && folder != "figures")
       all.push_back(entry.path());
   return all;
 }
