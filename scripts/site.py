@@ -16,7 +16,7 @@ import markdown
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 CONTENTS = {
     "Start": ["README.md", "docs/tutorial.md", "docs/howto.md", "docs/gallery.md"],
-    "Reference": ["docs/scene.md", "docs/output.md", "docs/studies.md", "docs/models.md", "docs/plan.md", "docs/python.md"],
+    "Reference": ["docs/scene.md", "docs/output.md", "docs/studies.md", "docs/figures.md", "docs/models.md", "docs/plan.md", "docs/python.md"],
     "Physics": ["docs/physics.md", "docs/geometry.md", "docs/theory.md", "docs/glossary.md"],
     "How good": ["docs/accuracy.md", "docs/verification.md", "docs/trade.md", "docs/limits.md", "docs/thesis.md",
                  "docs/reliability.md", "perf/README.md"],
