@@ -10,7 +10,6 @@
 #include <cstdio>
 #include <fstream>
 #include <optional>
-#include <ranges>
 #include <regex>
 #include <stdexcept>
 
@@ -97,7 +96,8 @@ void make_way(const fs::path& folder, bool force) {
            "holds a run already; go on with it with --resume, replace it with --force, or choose another "
            "folder with --out");
   // The log last: it shows that the rest is ours, should the program be killed on the way.
-  for (const fs::path& path : files_of_run(folder) | std::views::reverse) fs::remove(path);
+  const std::vector<fs::path> files = files_of_run(folder);
+  std::for_each(files.rbegin(), files.rend(), [](const fs::path& path) { fs::remove(path); });
 }
 
 long peak_memory_bytes() {

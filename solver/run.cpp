@@ -188,7 +188,7 @@ class Run {
     for (auto& [name, solve] : {std::pair{"pressure", &report_.pressure},
                                 {"viscous", &report_.viscous},
                                 {"fluidity", &report_.fluidity}})
-      archive.group(name, [&] {
+      archive.group(name, [&archive, &solve = solve] {
         archive.number("iterations", solve->iterations);
         archive.number("initial", solve->initial);
         archive.number("final", solve->final);

@@ -29,7 +29,7 @@ std::string counts_of(const std::vector<Shown>& all) {
     for (const VerdictRow& row : one.rows) ++counts[row.quality][row.verdict];
   std::string text = "| quality | tests | pass | differ | fail |\n|---|---|---|---|---|\n";
   for (const auto& [quality, by] : counts) {
-    const auto n = [&](const char* verdict) { return by.count(verdict) ? by.at(verdict) : 0; };
+    const auto n = [&by = by](const char* verdict) { return by.count(verdict) ? by.at(verdict) : 0; };
     text += fmt::format("| {} | {} | {} | {} | {} |\n", quality, n("pass") + n("differs") + n("fail"),
                         n("pass"), n("differs"), n("fail"));
   }

@@ -105,7 +105,7 @@ std::string charts_html(const std::vector<Chart>& charts) {
   std::string out;
   for (const Chart& chart : charts) {
     const auto [x, y] = scales_of(chart);
-    const bool empty = std::ranges::none_of(chart.series, [&](const Series& s) {
+    const bool empty = std::ranges::none_of(chart.series, [&x = x, &y = y](const Series& s) {
       for (std::size_t k = 0; k < s.x.size(); ++k)
         if (x.can_show(s.x[k]) && y.can_show(s.y[k])) return true;
       return false;
