@@ -9,7 +9,7 @@ namespace hourglass {
 namespace {
 
 struct OptionText {
-  std::string names;               ///< "--out", or the name of a positional: "scene"
+  std::string name;                ///< "--out", or the name of a positional: "scene"
   std::string value;               ///< "DIR"; empty for a flag
   std::vector<std::string> words;  ///< the only values that are allowed; empty: any
   std::string description;
@@ -89,11 +89,11 @@ std::string man_page(const CLI::App& app, const std::string& version) {
   for (const CommandText& command : commands_of(app)) {
     page += fmt::format(".SS \"hourglass {}", command.name);
     for (const OptionText& o : command.options) {
-      if (o.positional) page += " " + (o.value.empty() ? o.names : o.value);
+      if (o.positional) page += " " + (o.value.empty() ? o.name : o.value);
     }
     page += fmt::format("\"\n{}\n", troff(command.description));
     for (const OptionText& o : command.options) {
-      page += fmt::format(".TP\n.B {}", troff(o.positional ? o.value : o.names));
+      page += fmt::format(".TP\n.B {}", troff(o.positional ? o.value : o.name));
       if (!o.positional && !o.value.empty()) page += fmt::format(" \\fI{}\\fR", troff(o.value));
       page += fmt::format("\n{}", troff(o.description));
       if (!o.words.empty()) page += troff(fmt::format(" ({})", fmt::join(o.words, ", ")));
@@ -118,14 +118,12 @@ std::string bash_completion(const CLI::App& app) {
     std::string options, values;
     for (const OptionText& o : command.options) {
       if (o.positional) continue;
-      options += " " + o.names;
+      options += " " + o.name;
       if (!o.words.empty())
-        values += fmt::format("        {}) words=\"{}\" ;;\n", o.names, fmt::join(o.words, " "));
+        values += fmt::format("        {}) words=\"{}\" ;;\n", o.name, fmt::join(o.words, " "));
       else if (!o.value.empty() && !is_file(o))
-        values += fmt::format("        {}) return ;;\n", o.names);
+        values += fmt::format("        {}) return ;;\n", o.name);
     }
-    for (std::size_t at = 0; (at = options.find(',')) != std::string::npos;) options[at] = ' ';
-    for (std::size_t at = 0; (at = values.find(',', at)) != std::string::npos;) values[at] = '|';
     cases += fmt::format("    {})\n      options=\"{}\"\n", command.name, options.substr(1));
     if (!values.empty()) cases += fmt::format("      case $before in\n{}      esac\n", values);
     cases += "      ;;\n";
@@ -170,13 +168,9 @@ std::string zsh_completion(const CLI::App& app) {
       const std::string value =
           o.value.empty() && o.words.empty()
               ? ""
-              : fmt::format(":{}:{}", quoted(o.value.empty() ? o.names : o.value), action);
-      for (const std::string& name : CLI::detail::split(o.names, ',')) {
-        if (o.positional)
-          cases += fmt::format(" \\\n        '1{}'", value);
-        else
-          cases += fmt::format(" \\\n        '*{}[{}]{}'", name, quoted(o.description), value);
-      }
+              : fmt::format(":{}:{}", quoted(o.value.empty() ? o.name : o.value), action);
+      cases += o.positional ? fmt::format(" \\\n        '1{}'", value)
+                            : fmt::format(" \\\n        '*{}[{}]{}'", o.name, quoted(o.description), value);
     }
     cases += "\n      ;;\n";
   }

@@ -9,7 +9,7 @@
 
 namespace hourglass {
 
-/// Text as it stands between tags and in attributes in quotes.
+/// Text as it stands between tags and in attributes in quotes, of HTML and of XML.
 std::string html_text(std::string_view text);
 
 std::string base64(std::string_view bytes);

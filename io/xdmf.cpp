@@ -13,6 +13,7 @@
 
 #include "io/files.hpp"
 #include "io/hdf5.hpp"
+#include "io/html.hpp"
 
 namespace hourglass {
 namespace {
@@ -37,26 +38,11 @@ void make_longer(const std::filesystem::path& path, std::size_t bytes) {
 /// Of a frame or an outline.
 std::string member_name(int number) { return fmt::format("{:06}", number); }
 
+/// A name in an attribute, where XML has no control characters.
 std::string xml(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-    }
-  }
+  std::string out = html_text(text);
+  std::ranges::replace_if(
+      out, [](unsigned char c) { return c < 0x20; }, ' ');
   return out;
 }
 

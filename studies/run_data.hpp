@@ -1,12 +1,12 @@
 #pragma once
 // What is stored of one run, read when it is asked for.
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "io/csv.hpp"
 #include "io/frame.hpp"
 #include "io/xdmf.hpp"
 #include "solver/scene.hpp"
@@ -15,7 +15,7 @@ namespace hourglass {
 
 class RunData {
  public:
-  using Columns = std::map<std::string, std::vector<double>>;
+  using Columns = CsvColumns;
 
   RunData(std::filesystem::path folder, Scene scene);
 
