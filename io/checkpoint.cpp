@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
@@ -13,6 +14,7 @@
 #include "io/provenance.hpp"
 #include "io/run_folder.hpp"
 #include "io/scene_yaml.hpp"
+#include "io/survives.hpp"
 #include "io/yaml_tree.hpp"
 
 namespace hourglass {
@@ -88,6 +90,24 @@ class Restoring final : public Hdf5Archive {
     group_ = state_;
   }
   hid_t file() const { return file_; }
+  /// Everything that the state holds, once.
+  void read_through() const {
+    std::vector<double> values;
+    for (const std::string& name : h5::member_names(group_)) {
+      const h5::Id set(H5Dopen2(group_, name.c_str(), H5P_DEFAULT), H5Dclose, name);
+      const h5::Id shape(H5Dget_space(set), H5Sclose, name);
+      values.resize(static_cast<std::size_t>(h5::checked(H5Sget_simple_extent_npoints(shape), name)));
+      h5::checked(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), name);
+    }
+    for (const std::string& name : h5::attribute_names(group_)) {
+      const h5::Id attribute(H5Aopen(group_, name.c_str(), H5P_DEFAULT), H5Aclose, name);
+      const h5::Id type(H5Aget_type(attribute), H5Tclose, name);
+      if (H5Tget_class(type) == H5T_STRING)
+        h5::read_strings(group_, name);
+      else
+        h5::read_numbers(group_, name);
+    }
+  }
   bool restoring() const override { return true; }
   void number(const std::string& name, double& value) override {
     value = h5::read_number(group_, prefixed(name));
@@ -115,8 +135,6 @@ class Restoring final : public Hdf5Archive {
 };
 
 // ---- the checksum behind the file ------------------------------------------------------------------------------
-
-constexpr std::size_t seal_length = 24;
 
 /// Of the first `bytes` of a file: a word at a time, in the manner of Fowler, Noll and Vo's hash.
 std::string seal_of(const fs::path& path, std::size_t bytes) {
@@ -189,6 +207,17 @@ void check_same_scene(const fs::path& folder, const std::string& stored, const S
 
 /// Throws std::invalid_argument if the checkpoint is whole, but not of this scene or version.
 Checkpoint opened(const fs::path& path, const Scene& scene, std::vector<std::string>& words) {
+  // Its checksum can be made up, and damaged files make the HDF5 library itself crash: a child tries first.
+  const auto all = [&] {
+    const Restoring state(path);
+    for (const char* name : {"format", "version", "scene", "build"}) h5::read_string(state.file(), name);
+    for (const char* name : {"time", "step"}) h5::read_number(state.file(), name);
+    state.read_through();
+  };
+  if (!survives(all))
+    throw std::invalid_argument(fmt::format(
+        "{}: the HDF5 library does not survive reading it. Run again from the start with --force.",
+        path.string()));
   auto state = std::make_unique<Restoring>(path);
   const Provenance p = provenance();
   const std::string format = h5::read_string(state->file(), "format"),
@@ -206,6 +235,10 @@ Checkpoint opened(const fs::path& path, const Scene& scene, std::vector<std::str
                     "without a break",
                     path.string(), build));
   const double t = h5::read_number(state->file(), "time"), step = h5::read_number(state->file(), "step");
+  if (!std::isfinite(t) || !(step >= 0 && step < 1e15))
+    throw std::invalid_argument(
+        fmt::format("{}: t = {}, step {}: no run was ever there. Run again from the start with --force.",
+                    path.string(), t, step));
   return {std::move(state), t, static_cast<long>(step)};
 }
 
@@ -231,6 +264,10 @@ std::optional<Checkpoint> newest(const fs::path& folder, const Scene& scene,
 
 }  // namespace
 
+void seal(const fs::path& path) {
+  AppendFile(path, AppendFile::Start::at_end).append(seal_of(path, fs::file_size(path)));
+}
+
 void write_checkpoint(const fs::path& folder, const Scene& scene, double t, long step, const Walk& walk) {
   const fs::path path = folder / checkpoint_name, beside = path.string() + ".new";
   Size size;
@@ -251,8 +288,7 @@ void write_checkpoint(const fs::path& folder, const Scene& scene, double t, long
       walk(archive);
     }
     file.close("close");
-    const std::string seal = seal_of(beside, fs::file_size(beside));
-    AppendFile(beside, AppendFile::Start::at_end).append(seal);
+    seal(beside);
     sync_to_disk(beside);
   } catch (const std::runtime_error& error) {
     std::error_code ignored;

@@ -28,6 +28,10 @@ inline constexpr std::array changeable_keys{"time.end", "time.max_steps", "outpu
 void write_checkpoint(const std::filesystem::path& folder, const Scene& scene, double t, long step,
                       const Walk& walk);
 
+inline constexpr std::size_t seal_length = 24;  ///< of the checksum
+/// Puts the checksum behind an HDF5 file, as write_checkpoint() does; without one it does not count as a checkpoint.
+void seal(const std::filesystem::path& path);
+
 struct Checkpoint {
   std::unique_ptr<Archive> state;
   double t = 0;  ///< [T]

@@ -88,6 +88,26 @@ inline hsize_t member_count(hid_t group) {
   return about.nlinks;
 }
 
+inline std::vector<std::string> member_names(hid_t group) {
+  std::vector<std::string> names;
+  const auto keep = [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
+    static_cast<std::vector<std::string>*>(out)->push_back(name);
+    return 0;
+  };
+  checked(H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, keep, &names), "group");
+  return names;
+}
+
+inline std::vector<std::string> attribute_names(hid_t object) {
+  std::vector<std::string> names;
+  const auto keep = [](hid_t, const char* name, const H5A_info_t*, void* out) -> herr_t {
+    static_cast<std::vector<std::string>*>(out)->push_back(name);
+    return 0;
+  };
+  checked(H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, nullptr, keep, &names), "attributes");
+  return names;
+}
+
 /// A group whose own header lists its members, with room for `members` names of `name_length` letters: adding
 /// one of these changes a few bytes in one place of the file.
 inline Id create_compact_group(hid_t parent, const std::string& name, unsigned members,

@@ -1,19 +1,14 @@
 #include "io/xdmf.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <csignal>
 
 #include "io/files.hpp"
 #include "io/hdf5.hpp"
 #include "io/html.hpp"
+#include "io/survives.hpp"
 
 namespace hourglass {
 namespace {
@@ -137,28 +132,6 @@ std::string xdmf_grid(const std::string& frame, const RunInfo& info, double t,
   for (const std::string& name : fields) out += xdmf_attribute(frame, name, p, 1);
   out += xdmf_attribute(frame, "velocity", p, 3);
   return out + "      </Grid>\n";
-}
-
-/// Whether a child process lives through `work` within ten seconds; exceptions do not count.
-template <class Work>
-bool survives(const Work& work) {
-  const pid_t child = ::fork();
-  if (child == 0) {
-    for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGALRM}) std::signal(signal, SIG_DFL);
-    const rlimit no_core{0, 0};
-    ::setrlimit(RLIMIT_CORE, &no_core);
-    ::alarm(10);
-    if (const int nowhere = ::open("/dev/null", O_WRONLY); nowhere >= 0) ::dup2(nowhere, STDERR_FILENO);
-    try {
-      work();
-    } catch (...) {
-    }
-    ::_exit(0);
-  }
-  int status = 0;
-  while (child > 0 && ::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  return child < 0 || (WIFEXITED(status) && WEXITSTATUS(status) == 0);  // without a child, at our own risk
 }
 
 }  // namespace
@@ -330,12 +303,8 @@ void FieldReader::read_info() {
 std::vector<std::string> FieldReader::names(int frame) const {
   const h5::Id file = h5::open(h5_, H5F_ACC_RDONLY);
   const h5::Id group = h5::group(file, "frames/" + member_name(frame));
-  std::vector<std::string> names;
-  const auto keep = [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
-    if (std::string(name) != "velocity") static_cast<std::vector<std::string>*>(out)->push_back(name);
-    return 0;
-  };
-  h5::checked(H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, keep, &names), h5_.string());
+  std::vector<std::string> names = h5::member_names(group);
+  std::erase(names, "velocity");
   return names;
 }
 

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Tries faults on real runs, says how each ended, and fills the table of docs/reliability.md.
 
-    scripts/faults.py PROGRAM [--kills 50] [--only WORD] [--write]
+    scripts/faults.py PROGRAM [--kills 50] [--thin 1] [--only WORD] [--write]
 
 Needs python3-h5py; root for small and read-only disks, strace, faketime for some: what cannot be tried is said.
 Exit status 1 if a fault ended other than it should.
@@ -59,8 +59,8 @@ def check(holds, words):
 class Bench:
     """A folder for runs, and a run without a fault to compare with."""
 
-    def __init__(self, program, kills):
-        self.program, self.kills = os.path.abspath(program), kills
+    def __init__(self, program, kills, thin):
+        self.program, self.kills, self.thin = os.path.abspath(program), kills, thin
         self.folder = tempfile.mkdtemp(prefix="faults_")
         self.random = random.Random(8)
         self.mounts = []
@@ -227,7 +227,7 @@ def kill_in_frame(b):
     whole, tried, resumed = b.frames("few"), 0, 0
     for begin in ("", "later"):
         least = 0 if not begin else 3
-        for number in range(1, 1000):
+        for number in range(1, 1000, b.thin):
             out = f"write{begin}{number}"
             if begin:
                 shutil.copytree(b.path(begin), b.path(out))
@@ -244,13 +244,13 @@ def kill_in_frame(b):
                     named = file.read().count("<Time ")
                 check(len(frames) >= (least if begin else named), f"write {number}: {len(frames)} frames of {named}")
                 check(same_frames(frames, whole[:len(frames)]), f"write {number}: frames differ")
-            if number % 7 == 0:
+            if tried % 7 == 0:
                 again = b.run(out, "--resume", *short)
                 check(again.returncode == 0, again.stderr)
                 check(b.rows(out) == b.rows("few") and same_frames(b.frames(out), whole), f"write {number}: resumed differs")
                 resumed += 1
             shutil.rmtree(b.path(out))
-    check(tried > 50, f"only {tried} kills took place")
+    check(tried > 50 / b.thin, f"only {tried} kills took place")
     return f"{tried} of {tried} can be read; {resumed} of {resumed} resumed, equal to the last bit"
 
 
@@ -320,8 +320,8 @@ def no_reader(b):
 @fault("Full disk (a tmpfs of 2 MiB that is filled during the run)",
        "exit status 1, one line with the cause, summary; with room again it resumes")
 def full_disk(b):
-    told = set()
-    for number in range(6):
+    told, tried = set(), range(0, 6, b.thin)
+    for number in tried:
         disk = b.small_disk("2m")
         out = os.path.join(disk, "run")
         process = b.start(out)
@@ -344,7 +344,7 @@ def full_disk(b):
         subprocess.run(["mount", "-o", "remount,size=40m", disk], check=True)
         b.resume(out)
         told.add(re.match(r"[^ :]*/([^ :/]*)", words).group(1))
-    return f"6 of 6 (it failed at {', '.join(sorted(told))}); resumed, equal to the last bit"
+    return f"{len(tried)} of {len(tried)} (it failed at {', '.join(sorted(told))}); resumed, equal to the last bit"
 
 
 @fault("File size limit (`ulimit -f`)", "exit status 1, one line with the cause; resumes without the limit")
@@ -435,6 +435,7 @@ def damaged(b):
     places = [len(good) * k // 60 for k in range(60)]
     broken = [good[:k] + bytes([good[k] ^ 1]) + good[k + 1:] for k in places]
     broken += [good[:len(good) * k // 20] for k in range(20)]
+    broken = broken[::b.thin]
     for number, content in enumerate(broken):
         out = f"damage{number}"
         shutil.copytree(b.path("damage"), b.path(out))
@@ -495,7 +496,7 @@ def two_runs(b):
 
 @fault("`--threads` 1 to 64 on two cores, at the start and at a resume", "the same bits")
 def threads(b):
-    counts = [1, 2, 3, 4, 7, 8, 16, 32, 64]
+    counts = [1, 2, 3, 4, 7, 8, 16, 32, 64][::b.thin]
     short = ("--set", "time.max_steps=40")
     result = b.run("one_thread", *short)
     check(result.returncode == 0, result.stderr)
@@ -540,15 +541,17 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("program")
     parser.add_argument("--kills", type=int, default=50)
+    parser.add_argument("--thin", type=int, default=1, help="of what is tried many times, only each so-manieth")
     parser.add_argument("--only", default="", help="faults whose function has this word in its name")
     parser.add_argument("--write", action="store_true", help="fill the table of docs/reliability.md")
     options = parser.parse_args()
-    bench = Bench(options.program, options.kills)
+    bench = Bench(options.program, options.kills, options.thin)
     lines, failed = [], 0
     try:
         for title, expected, function in FAULTS:
             if options.only not in function.__name__:
                 continue
+            began = time.monotonic()
             try:
                 outcome = function(bench)
             except Skip as why:
@@ -557,7 +560,7 @@ def main():
                 failed += 1
                 outcome = f"**FAILED**: {why}"
             outcome = outcome.replace(bench.folder + "/", "").replace("|", r"\|").replace("\n", " ")
-            print(f"{function.__name__}: {outcome}", flush=True)
+            print(f"{function.__name__} ({time.monotonic() - began:.0f} s): {outcome}", flush=True)
             title = title.replace("|", r"\|")
             lines.append(f"| {title} | {expected} | {outcome} |")
     finally:

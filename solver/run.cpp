@@ -126,6 +126,7 @@ class Run {
   /// its time.end, is no part of the state: it goes on as if it had not ended.
   void walk(Archive& archive) {
     archive.number("rung", rung_);
+    if (rung_ < 0 || rung_ > rungs) throw std::runtime_error("rung: there is no such");
     if (archive.restoring()) s_.take_care(rung_);
     s_.walk(archive);
     archive.group("run", [&] {
@@ -143,8 +144,8 @@ class Run {
       archive.history("mass_over_time", mass_over_time_);
       walk_slow_grains(archive);
       archive.number("row_t", last_.step.t);
-      archive.numbers("row_orifices", last_.orifice_outflow);
-      archive.numbers("row_materials", last_.material_outflow);
+      archive.numbers_like("row_orifices", last_.orifice_outflow, s_.orifice_mass);
+      archive.numbers_like("row_materials", last_.material_outflow, s_.orifice_material);
       archive.number("row_fed", last_.fed);
       archive.number("worst_max_divergence", summary_.worst_max_divergence);
       archive.number("missed_tolerances", summary_.missed_tolerances);
@@ -184,6 +185,7 @@ class Run {
     archive.number("dt", report_.dt);
     int limit = static_cast<int>(report_.limit);
     archive.number("limit", limit);
+    if (limit < 0 || limit >= dt_limits) throw std::runtime_error("limit: there is no such");
     report_.limit = static_cast<DtLimit>(limit);
     for (auto& [name, solve] : {std::pair{"pressure", &report_.pressure},
                                 {"viscous", &report_.viscous},

@@ -135,6 +135,13 @@ void Simulation::Impl::go_back() {
   stepper->forget();
 }
 
+/// Throws std::runtime_error unless fit_height() could have chosen it.
+static void check_height(const Scene& scene, double height) {
+  const double rows = height / scene.patch().h;
+  if (!(rows > 0.5 && height <= scene.height && std::abs(rows - std::round(rows)) < 1e-6))
+    throw std::runtime_error("height: no rows of cells come out of it");
+}
+
 /// All that the next step and the next going back depend on, but for the rung (take_care), which comes first.
 void Simulation::Impl::walk(Archive& archive) {
   const auto walk_fields = [&](Fields& all) {
@@ -142,6 +149,7 @@ void Simulation::Impl::walk(Archive& archive) {
   };
   double height = solved.height;
   archive.number("height", height);
+  check_height(scene, height);
   if (height != solved.height) set_height(height);
   Tally::walk(archive);
   archive.number("dt_most", dt_most);
@@ -153,6 +161,7 @@ void Simulation::Impl::walk(Archive& archive) {
     if (!kept) return;
     if (archive.restoring()) keep();
     archive.number("height", backup->height);
+    check_height(scene, backup->height);
     if (archive.restoring()) {
       Scene whole = scene;
       whole.height = backup->height;

@@ -34,8 +34,12 @@ struct Tally {
     archive.number("t", t);
     archive.number("dt", dt);
     archive.number("steps", steps);
-    archive.numbers("orifice_mass", orifice_mass);
-    archive.numbers("orifice_material", orifice_material);
+    for (const auto& [name, totals] :
+         {std::pair{"orifice_mass", &orifice_mass}, {"orifice_material", &orifice_material}}) {
+      const std::vector<double> before = *totals;
+      archive.numbers_like(name, *totals, before);
+      totals->resize(before.size());
+    }
     archive.number("other_mass", other_mass);
     archive.number("fed_mass", fed_mass);
     archive.number("lost_volume", lost_volume);

@@ -1,5 +1,6 @@
 #pragma once
 // Named stage timers; the order of first use is the order of the report.
+#include <algorithm>
 #include <chrono>
 #include <string>
 #include <utility>
@@ -41,7 +42,8 @@ class Timers {
     archive.texts("stages", names);
     archive.numbers("stage_seconds", seconds);
     stages_.clear();
-    for (std::size_t k = 0; k < names.size(); ++k) stages_.emplace_back(names[k], seconds[k]);
+    for (std::size_t k = 0; k < std::min(names.size(), seconds.size()); ++k)
+      stages_.emplace_back(names[k], seconds[k]);
   }
   const std::vector<std::pair<std::string, double>>& stages() const { return stages_; }
 

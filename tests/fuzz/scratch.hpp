@@ -16,7 +16,7 @@ class Scratch {
   }
   ~Scratch() { std::filesystem::remove_all(folder_); }
 
-  std::filesystem::path write(const std::string& name, const std::string& bytes) const {
+  std::filesystem::path write(const std::filesystem::path& name, const std::string& bytes) const {
     std::ofstream(folder_ / name, std::ios::binary).write(bytes.data(), static_cast<long>(bytes.size()));
     return folder_ / name;
   }

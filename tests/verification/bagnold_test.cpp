@@ -80,13 +80,13 @@ TEST_CASE("the exact granular flows have the published speeds") {
 // itself; what this adds to the velocity between the floor and s grows as h^2 / sqrt(s). With arithmetic corner means
 // c = 0. With harmonic ones c = 1/16, and the square of the L2 norm, the integral of h^4 / s from the first cell on, is
 // h^4 (a + b ln(1/h)): second order but for a logarithm, whose law is the sharper test.
-TEST_CASE("Bagnold flow of coarse grains, arithmetic corner means: second order in L2") {
+TEST_CASE("Bagnold flow of coarse grains, arithmetic corner means: second order in L2", "[slow]") {
   const std::vector<double> errors = bagnold_errors(0.25, CornerMean::arithmetic, 40, {16, 32, 64, 128});
   expect_order(errors, 2.0, 0.08);
   CHECK(errors.back() < 1e-4 * bagnold(1, 0.25));
 }
 
-TEST_CASE("Bagnold flow of coarse grains, harmonic corner means: second order and a logarithm in L2") {
+TEST_CASE("Bagnold flow of coarse grains, harmonic corner means: second order and a logarithm in L2", "[slow]") {
   const std::vector<int> grids{16, 32, 64, 128};
   const std::vector<double> errors = bagnold_errors(0.25, CornerMean::harmonic, 40, grids);
   std::vector<double> growth;  // of (error / h^2)^2 from grid to grid: b ln 2
@@ -98,7 +98,7 @@ TEST_CASE("Bagnold flow of coarse grains, harmonic corner means: second order an
   CHECK(errors.back() < 2e-4 * bagnold(1, 0.25));
 }
 
-TEST_CASE("Bagnold flow of fine grains: second order in L2", "[slow]") {
+TEST_CASE("Bagnold flow of fine grains: second order in L2", "[long]") {
   const std::vector<double> errors = bagnold_errors(1.0 / 30, CornerMean::arithmetic, 300, {16, 32, 64});
   expect_order(errors, 2.0, 0.1);
   CHECK(errors.back() < 1e-3 * bagnold(1, 1.0 / 30));

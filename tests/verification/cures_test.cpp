@@ -1,6 +1,6 @@
-// What each cure of ill-posedness does to the base silo: the table of docs/physics.md. Hidden: it takes minutes.
+// What each cure of ill-posedness does to the base silo: the table of docs/physics.md.
 //
-//   HOURGLASS_FIGURES=1 build/release/tests/verification "[.cures]"
+//   HOURGLASS_FIGURES=1 build/release/tests/verification "[cures]"
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
@@ -53,7 +53,7 @@ Outcome outcome(Scene scene) {
 
 }  // namespace
 
-TEST_CASE("cures of ill-posedness, measured", "[.cures][slow]") {
+TEST_CASE("cures of ill-posedness, measured", "[cures][long]") {
   struct Cure {
     const char* name;
     std::function<void(Scene&)> apply;

@@ -195,7 +195,7 @@ double discharge_of(const Scene& scene, double end) {
 
 }  // namespace
 
-TEST_CASE("the discharge changes little as an orifice moves by fractions of a cell") {
+TEST_CASE("the discharge changes little as an orifice moves by fractions of a cell", "[slow]") {
   const double h = 150.0 / 64;
   std::vector<double> rates;
   for (double shift : {0.0, 0.1, 0.25, 0.5, 0.75, 1.0})
@@ -235,7 +235,7 @@ TEST_CASE("two orifices that share a face let out what one does in their place")
   CHECK(b.orifice_mass()[0] / sum == Approx(3.3 / 9).margin(0.05));
 }
 
-TEST_CASE("solids, an axis, no air, a feed: one thread and two give the same bits") {
+TEST_CASE("solids, an axis, no air, a feed: one thread and two give the same bits", "[slow]") {
   Scene scene = silo(64, 0);
   scene.inserts = {{Shape::circle, {75, 56.25}, 37.5, 37.5, {}}, {Shape::diamond, {30, 40}, 20, 20, {}}};
   scene.time.max_steps = 60;

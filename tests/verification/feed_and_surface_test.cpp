@@ -18,7 +18,7 @@ double left_of(const Scene& scene) {
 
 }  // namespace
 
-TEST_CASE("a fed silo stays filled, discharges steadily, and its mass is accounted for") {
+TEST_CASE("a fed silo stays filled, discharges steadily, and its mass is accounted for", "[slow]") {
   Scene s = silo(64, 60);
   s.materials.push_back(s.materials[0]);
   s.materials[1].name = "fed";

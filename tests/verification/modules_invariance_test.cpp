@@ -65,7 +65,7 @@ int run(Simulation& simulation, int steps) {
 
 }  // namespace
 
-TEST_CASE("modules: one thread and two give the same bits") {
+TEST_CASE("modules: one thread and two give the same bits", "[slow]") {
   for (const Variant& variant : variants()) {
     Scene scene = grains_in_silo(64);
     scene.materials.push_back(scene.materials[0]);

@@ -63,7 +63,8 @@ TEST_CASE("a whole drain at 64^2 conserves grains and keeps their share in [0, 1
 }
 
 TEST_CASE(
-    "the default levers cost no accuracy: rate, static share and mass as with tight tolerances in double") {
+    "the default levers cost no accuracy: rate, static share and mass as with tight tolerances in double",
+    "[slow]") {
   Scene scene = silo(128, 27.386);
   const Summary quick = Simulation(scene).run();
   scene.accuracy = {.viscous_tolerance = 1e-6, .pressure_tolerance = 1e-9, .precision = Precision::full};

@@ -68,7 +68,7 @@ TEST_CASE("a mirrored scene has a mirrored flow: to rounding where there is no f
   CHECK(difference < 1e-9);
 }
 
-TEST_CASE("a symmetric silo stays symmetric through 1000 steps") {
+TEST_CASE("a symmetric silo stays symmetric through 1000 steps", "[slow]") {
   // The default grains are ill-posed at every inertial number; smoothing keeps that from growing. What grows all the same
   // does so for well-posed ones too: where two lines fit a nearly flat surface equally well, rounding decides which one is
   // taken, and the two sides of the silo may differ.
@@ -115,7 +115,7 @@ TEST_CASE("a mirrored orifice gives the mirrored flow") {
   }
 }
 
-TEST_CASE("one thread and several give the same bits") {
+TEST_CASE("one thread and several give the same bits", "[slow]") {
   Scene scene = silo(96);
   scene.materials.push_back(scene.materials[0]);  // a layer of other grains
   scene.materials[1].name = "layer";

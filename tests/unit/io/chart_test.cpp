@@ -90,7 +90,7 @@ TEST_CASE("greyed points have no colour, and the labels of points and lines are 
   CHECK(drawn(chart).width() > labelled.width());
 }
 
-TEST_CASE("no label, legend or title of a chart is cut off", "[io][picture]") {
+TEST_CASE("no label, legend or title of a chart is cut off", "[io][picture][slow]") {
   const bool log = GENERATE(false, true);
   Chart chart{.title =
                   "a title that is a good deal wider than the plot under it, which has to make room for it "

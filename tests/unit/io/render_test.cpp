@@ -264,7 +264,7 @@ TEST_CASE("a picture can be made larger than it needs", "[io][picture]") {
   CHECK(image.white_margin(10));
 }
 
-TEST_CASE("no domain, label or number is cut off", "[io][picture]") {
+TEST_CASE("no domain, label or number is cut off", "[io][picture][slow]") {
   const Folder folder;
   struct Case {
     int nx, ny;

@@ -8,6 +8,7 @@
 
 #include "io/checkpoint.hpp"
 #include "io/csv.hpp"
+#include "io/provenance.hpp"
 #include "io/run_folder.hpp"
 #include "io/scene_yaml.hpp"
 #include "io/xdmf.hpp"
@@ -155,7 +156,7 @@ TEST_CASE("every scene of configs resumes to the last bit", "[io][slow]") {
   CHECK(scenes >= 20);
 }
 
-TEST_CASE("what is later than the checkpoint goes: rows, frames, pictures", "[io]") {
+TEST_CASE("what is later than the checkpoint goes: rows, frames, pictures", "[io][slow]") {
   const TestFolder folder;
   Scene scene = small_silo();
   scene.output.snapshots_every = 0.5;
@@ -211,6 +212,34 @@ TEST_CASE("two checkpoints are kept, and a damaged one makes way for the other",
   CHECK_THROWS_WITH(
       resume(run, longer),
       Catch::Contains("checkpoint.h5 and checkpoint.previous.h5 damaged") && Catch::Contains("--force"));
+}
+
+TEST_CASE("a checkpoint of another version is refused, one of another build is told of", "[io]") {
+  const TestFolder folder;
+  Scene scene = small_silo();
+  const fs::path run = folder / "run", path = run / checkpoint_name;
+  go_on(scene, run, 4);
+  const std::string written = text_at(path);
+  const auto with = [&](const std::string& there, const std::string& instead) {
+    std::string bytes = written.substr(0, written.size() - seal_length);
+    bytes.replace(bytes.find(there), there.size(), instead);
+    write_atomically(path, bytes);
+    seal(path);
+  };
+  scene.time.max_steps = 8;
+  std::string version = provenance().version;
+  version.back() = version.back() == '9' ? '8' : '9';
+  with(provenance().version, version);
+  CHECK_THROWS_WITH(resume(run, scene), Catch::Contains("written by hourglass " + version) &&
+                                            Catch::Contains("this is " + provenance().version) &&
+                                            Catch::Contains("--force"));
+  with("hourglass checkpoint 1", "hourglass checkpoint 0");
+  CHECK_THROWS_WITH(resume(run, scene), Catch::Contains("(hourglass checkpoint 0)"));
+  with(provenance().compiler, std::string(provenance().compiler.size(), 'x'));
+  const Resumption found = resume(run, scene);
+  REQUIRE(found.from);
+  REQUIRE(found.words.size() == 1);
+  CHECK_THAT(found.words[0], Catch::Contains("written by another build"));
 }
 
 TEST_CASE("another scene is refused by the key that differs; some keys may change", "[io]") {

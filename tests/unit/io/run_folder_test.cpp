@@ -95,7 +95,7 @@ TEST_CASE("the name of a scene never leads out of runs", "[io]") {
   }
 }
 
-TEST_CASE("a run leaves scene, series, fields, snapshots, summary and log", "[io]") {
+TEST_CASE("a run leaves scene, series, fields, snapshots, summary and log", "[io][slow]") {
   const Folder folder;
   const Summary summary = run(small_silo(), {folder.path, false, true});
   CHECK(text_of(folder.path / "scene.yaml") == "name: small\n");
@@ -200,7 +200,7 @@ TEST_CASE("a run leaves scene, series, fields, snapshots, summary and log", "[io
   }
 }
 
-TEST_CASE("'render' leaves the snapshots of other times alone", "[io]") {
+TEST_CASE("'render' leaves the snapshots of other times alone", "[io][slow]") {
   const Folder folder;
   Scene scene = small_silo();
   scene.output.snapshots_every = 0.1;

@@ -124,7 +124,7 @@ TEST_CASE("a place: images, periodic sides and solids") {
   CHECK(at("speed", 5.9, geometry.get()) == Approx(5.5).epsilon(1e-14));  // nothing of the solid
 }
 
-TEST_CASE("measure: profiles along lines, at times and as the mean over the window") {
+TEST_CASE("measure: profiles along lines, at times and as the mean over the window", "[slow]") {
   const LinearRun linear(box());
   const fs::path run = linear.run();
   measure_run(run, {.lines = {"x=8.25", "1,2,4,6"}, .fields = {"pressure", "velocity_y"}, .times = {1.2, 4}});

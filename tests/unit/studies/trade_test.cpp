@@ -187,7 +187,7 @@ TEST_CASE("the record of a half is that of the whole") {
   CHECK(read_record(folder.path / "a.csv") == whole.record);
 }
 
-TEST_CASE("a trade names its points and goes on where it was killed", "[picture]") {
+TEST_CASE("a trade names its points and goes on where it was killed", "[picture][slow]") {
   const Folder folder;
   TradeOptions options = options_of(folder.path);
   options.runner = fake;
