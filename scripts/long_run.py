@@ -51,6 +51,8 @@ def table(out):
     rows = list(csv.DictReader(open(out / "series.csv")))
     memory = [(float(row["wall_seconds"]), float(row["resident_MB"])) for row in csv.DictReader(open(out / "memory.csv"))]
     filled = float(rows[0]["mass"])
+    times = [float(row["t"]) for row in rows]
+    fed = sum((b - a) * float(row["fed"]) for a, b, row in zip(times, times[1:], rows[1:]))
     summary = json.loads((out / "summary.json").read_text())
     lines = ["| step | t | wall time | resident memory | outflow | iterations: pressure, viscous, fluidity |", "|---|---|---|---|---|---|"]
     last = int(rows[-1]["step"])
@@ -61,8 +63,8 @@ def table(out):
         lines.append(f"| {row['step']} | {float(row['t']):.1f} | {wall:.0f} s | {megabytes[-1]:.0f} MB | {float(row['outflow']):.1f} | "
                      f"{row['iterations_pressure']}, {row['iterations_viscous']}, {row['iterations_fluidity']} |")
     lines.append("")
-    lines.append(f"{summary['steps']} steps on {summary['cells']} cells, {summary['status']}; {float(rows[-1]['fed']):.0f} "
-                 f"fed on {filled:.0f}; mass error {summary['mass_error']:.1e}; missed tolerances {summary['missed_tolerances']}; "
+    lines.append(f"{summary['steps']} steps on {summary['cells']} cells, {summary['status']}; grains of mass {fed:.0f} "
+                 f"were fed to {filled:.0f}; mass error {summary['mass_error']:.1e}; missed tolerances {summary['missed_tolerances']}; "
                  f"back-offs {summary['back_offs']}; warnings {len(summary['warnings'])}; peak memory "
                  f"{summary['peak_memory_bytes'] / 2**20:.0f} MB.")
     return "\n".join(lines) + "\n"
