@@ -240,7 +240,7 @@ class Builder {
   /// nearest whole one.
   Plane wall_around(const Halves& halves, int x, int y) const {
     const bool left = halves.ends.periodic || halves.ends.mirror, right = halves.ends.periodic;
-    const int cx = std::clamp(x, left ? x : 2, right ? x : std::max(halves.nx() - 2, 2));
+    const int cx = std::min(left ? x : std::max(x, 2), right ? x : std::max(halves.nx() - 2, 2));
     const int cy = std::clamp(y, 2, std::max(halves.ny() - 2, 2));
     const auto upright = [&](int at) {  // mean of four half faces
       double sum = 0;
