@@ -51,7 +51,8 @@ class Painting : public vtkContextItem {
   /// Reading upwards, its middle at height y, its left edge at x.
   static void upright(vtkContext2D* context, const std::string& what, int x, int y) {
     const auto image = upright_text(what, label_font);
-    context->DrawImage(float(x), float(y - image->GetDimensions()[1] / 2), image);
+    const int half = image->GetDimensions()[1] / 2;
+    context->DrawImage(float(x), float(y - half), image);
   }
 
   void paint_field(vtkContext2D* context) const {
@@ -97,11 +98,11 @@ class Painting : public vtkContextItem {
       if (upright_side) {
         rectangle(context, white, across, begin, wall, end - begin);
         pen(context, grey, 2, vtkPen::DASH_LINE);
-        context->DrawLine(float(across + wall / 2), float(begin), float(across + wall / 2), float(end));
+        context->DrawLine(float(across + wall / 2.0), float(begin), float(across + wall / 2.0), float(end));
       } else {
         rectangle(context, white, begin, across, end - begin, wall);
         pen(context, grey, 2, vtkPen::DASH_LINE);
-        context->DrawLine(float(begin), float(across + wall / 2), float(end), float(across + wall / 2));
+        context->DrawLine(float(begin), float(across + wall / 2.0), float(end), float(across + wall / 2.0));
       }
     }
   }
