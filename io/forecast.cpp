@@ -135,8 +135,8 @@ Scene coarsened(const Scene& scene, long most_cells) {
 
 Trial try_out(Simulation& simulation, double seconds) {
   const Scene& scene = simulation.scene();
-  Trial trial{scene.patch(), {}, 0};
-  std::array<RowSums, 2> rows{{RowSums(trial.patch.ny), RowSums(trial.patch.ny)}};
+  Trial trial{scene.patch(), {}};
+  std::array<RowSums, 2> rows{RowSums(trial.patch.ny), RowSums(trial.patch.ny)};
   const auto sample = [&] {
     trial.flow.push_back(
         {simulation.t(), fastest_cells(simulation.fields(), 1, rows), simulation.grain_mass()});
