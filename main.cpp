@@ -1,5 +1,7 @@
 // The command line: parse, load the scene, run, exit code.
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -22,6 +24,7 @@
 #include "io/fit_run.hpp"
 #include "io/forecast.hpp"
 #include "io/plan.hpp"
+#include "io/progress.hpp"
 #include "io/provenance.hpp"
 #include "io/render.hpp"
 #include "io/run_folder.hpp"
@@ -90,8 +93,8 @@ struct Arguments {
 
 /// Prints what is wrong with the scene, or doubtful, and what was chosen for it.
 void print(const Loaded& loaded) {
-  for (const Diagnostic& d : loaded.diagnostics) fmt::print(stderr, "{}\n", d.text());
-  for (const std::string& note : loaded.notes) fmt::print(stderr, "{}\n", note);
+  for (const Diagnostic& d : loaded.diagnostics) tell(d.text());
+  for (const std::string& note : loaded.notes) tell(note);
 }
 
 Loaded load(const Arguments& a) {
@@ -132,7 +135,7 @@ int run(const Arguments& a) {
   std::optional<Checkpoint> checkpoint;
   if (a.resume) {
     Resumption resumed = resume(run_folder_of(loaded.scene, options), loaded.scene);
-    for (const std::string& words : resumed.words) fmt::print(stderr, "{}\n", words);
+    for (const std::string& words : resumed.words) tell(words);
     if (resumed.done) return finished;
     warnings.insert(warnings.end(), resumed.words.begin(), resumed.words.end());
     checkpoint = std::move(resumed.from);
@@ -156,7 +159,7 @@ int run(const Arguments& a) {
 
   if (summary.status == Status::finished || summary.status == Status::stopped) return finished;
   if (caught_signal && summary.reason.starts_with(watch.interrupt())) return by_signal + caught_signal;
-  fmt::print(stderr, "{}\n", summary.reason);
+  tell(summary.reason);
   return failed;
 }
 
@@ -212,8 +215,8 @@ int check(const Arguments& a) {
       "One projection of noise: {} iterations, max |div u| dt from {:.3g} to {:.3g} (tolerance {:.3g}).\n",
       stats.iterations, stats.initial, stats.final, stats.tolerance);
   if (stats.converged) return finished;
-  fmt::print(stderr, "The projection missed its tolerance, worst at cell ({}, {}).\n", stats.worst_i,
-             stats.worst_j);
+  tell(fmt::format("The projection missed its tolerance, worst at cell ({}, {}).", stats.worst_i,
+                   stats.worst_j));
   return failed;
 }
 
@@ -291,7 +294,11 @@ int write_pages(const CLI::App& app, const std::filesystem::path& folder) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
+  // The next file to be opened would get the number of a standard stream that the caller has closed, and its
+  // words.
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", O_RDWR);
   Arguments a;
   CLI::App app{"Granular silo flow: mu(I) rheology, geometric VOF, multigrid projection.", "hourglass"};
   app.set_version_flag("--version", version_text);
@@ -463,26 +470,25 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? finished : wrong_input;
   }
-  try {
-    if (*run_command) return run(a);
-    if (*check_command) return check(a);
-    if (*plan_command) return plan(a);
-    if (*limits_command) return limits(a);
-    if (*trade_command) return trade(a);
-    if (*sweep_command) return sweep(a);
-    if (*figures_command) return figures(a);
-    if (*measure_command) return measure(a);
-    if (*report_command) return report(a);
-    if (*fit_command) return fit(a);
-    if (*pages_command) return write_pages(app, a.out);
-    return render(a);
-  } catch (const std::invalid_argument& error) {  // what was asked for cannot be: nothing was written
-    fmt::print(stderr, "{}\n", error.what());
-    return wrong_input;
-  } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "out of memory\n");
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "{}\n", error.what());
-  }
+  if (*run_command) return run(a);
+  if (*check_command) return check(a);
+  if (*plan_command) return plan(a);
+  if (*limits_command) return limits(a);
+  if (*trade_command) return trade(a);
+  if (*sweep_command) return sweep(a);
+  if (*figures_command) return figures(a);
+  if (*measure_command) return measure(a);
+  if (*report_command) return report(a);
+  if (*fit_command) return fit(a);
+  if (*pages_command) return write_pages(app, a.out);
+  return render(a);
+} catch (const std::invalid_argument& error) {  // what was asked for cannot be: nothing was written
+  tell(error.what());
+  return wrong_input;
+} catch (const std::bad_alloc&) {
+  tell("out of memory");
+  return failed;
+} catch (const std::exception& error) {
+  tell(error.what());
   return failed;
 }

@@ -66,8 +66,8 @@ class CanvasItem : public vtkContextItem {
         continue;
       }
       const auto turned = upright_text(t.what, t.size);
-      context->DrawImage(float(std::lround(t.x)), float(std::lround(t.y) - turned->GetDimensions()[1] / 2),
-                         turned);
+      const int half = turned->GetDimensions()[1] / 2;
+      context->DrawImage(float(std::lround(t.x)), float(std::lround(t.y) - half), turned);
     }
     return true;
   }

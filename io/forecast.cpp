@@ -135,7 +135,7 @@ Scene coarsened(const Scene& scene, long most_cells) {
 
 Trial try_out(Simulation& simulation, double seconds) {
   const Scene& scene = simulation.scene();
-  Trial trial{scene.patch(), {}, 0};
+  Trial trial{scene.patch(), {}};
   std::array<RowSums, 2> rows{RowSums(trial.patch.ny), RowSums(trial.patch.ny)};
   const auto sample = [&] {
     trial.flow.push_back(

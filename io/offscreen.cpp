@@ -183,7 +183,7 @@ vtkSmartPointer<vtkImageData> upright_text(const std::string& text, int size) {
   vtkNew<vtkTextProperty> property;
   style_text(property, size);
   vtkNew<vtkImageData> level;
-  const auto turned = vtkSmartPointer<vtkImageData>::New();
+  auto turned = vtkSmartPointer<vtkImageData>::New();
   int extent[2];
   vtkTextRenderer::GetInstance()->RenderString(property, text, level, extent, 72);
   const int w = extent[0], h = extent[1];

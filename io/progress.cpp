@@ -24,6 +24,8 @@ int columns_of(std::FILE* out) {
 
 }  // namespace
 
+void tell(const std::string& line) noexcept { std::fprintf(stderr, "%s\n", line.c_str()); }
+
 std::string duration_text(double seconds) {
   if (!(seconds >= 0 && seconds < 1e9)) return "?";
   if (seconds < 9.95) return fmt::format("{:.1f} s", seconds);

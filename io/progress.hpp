@@ -36,6 +36,9 @@ class Progress {
   Clock::time_point start_ = Clock::now(), shown_{};
 };
 
+/// A line on standard error. Where it cannot be written the work goes on, and the exit status says what happened.
+void tell(const std::string& line) noexcept;
+
 /// 4.2 s, 42 s, 3 min 20 s, 5 h 07 min, 2 d 4 h.
 std::string duration_text(double seconds);
 

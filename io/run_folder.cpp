@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <fstream>
 #include <optional>
 #include <regex>
@@ -292,7 +291,7 @@ struct RunFolder::Impl {
   void warn(const std::string& warning) {
     log->info("warning: {}", warning);
     progress.end();
-    std::fputs(fmt::format("warning: {}\n", warning).c_str(), stderr);  // nobody may be reading it
+    tell("warning: " + warning);
   }
 
   /// A picture of each field; none, with a warning, where there is no OpenGL.

@@ -136,7 +136,7 @@ void corner_viscosity_row(const CellFieldOf<T>& eta_c, const Boundary& boundary,
     const T a = below[l], b = below[r], c = above[l], d = above[r];
     return harmonic ? T(4) / ((T(1) / a + T(1) / b) + (T(1) / c + T(1) / d)) : T(0.25) * ((a + b) + (c + d));
   };
-  if (harmonic) {
+  if (harmonic) {  // NOLINT(bugprone-branch-clone): it takes all loops under a pragma for the same
 #pragma omp simd
     for (int i = 1; i < nx; ++i)
       out[i] = T(4) / ((T(1) / below[i - 1] + T(1) / below[i]) + (T(1) / above[i - 1] + T(1) / above[i]));

@@ -105,7 +105,7 @@ std::vector<std::vector<double>> take_turns(const std::vector<Job>& jobs) {
 
 const std::vector<Result>& results() { return all_results; }
 
-void add(const std::string& name, const std::vector<int>& sizes, std::function<Case(int n)> make) {
+void add(const std::string& name, const std::vector<int>& sizes, const std::function<Case(int n)>& make) {
   for (int threads : {1, 2})
     for (int n : sizes)
       benchmark::RegisterBenchmark(name.c_str(),

@@ -53,7 +53,7 @@ struct Result {
 const std::vector<Result>& results();
 
 /// Registers name/n/threads:t for each n and 1 and 2 threads; `make` builds the case for n.
-void add(const std::string& name, const std::vector<int>& sizes, std::function<Case(int n)> make);
+void add(const std::string& name, const std::vector<int>& sizes, const std::function<Case(int n)>& make);
 
 /// The case is reported as wrong, and the program will exit with 1.
 void wrong(benchmark::State& state, const std::string& what);

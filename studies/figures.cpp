@@ -12,6 +12,7 @@
 #include "io/csv.hpp"
 #include "io/files.hpp"
 #include "io/offscreen.hpp"
+#include "io/progress.hpp"
 #include "studies/figure_pictures.hpp"
 #include "studies/sweep.hpp"
 #include "studies/sweep_table.hpp"
@@ -90,7 +91,7 @@ class Figures {
       for (const fs::path& path : draw_pictures(figure, table, o_.out / o_.quality / "pictures"))
         fmt::print("  {}\n", path.string());
     } catch (const NoGraphics& error) {
-      fmt::print(stderr, "{}: no pictures: {}\n", figure.file.string(), error.what());
+      tell(fmt::format("{}: no pictures: {}", figure.file.string(), error.what()));
     }
   }
 

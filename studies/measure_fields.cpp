@@ -100,7 +100,7 @@ FieldPoint FieldMeasure::probe_of(const std::string& text) const {
   const std::vector<double> place = numbers_in(text);
   if (place.size() != 2) throw std::invalid_argument(fmt::format("--probe {}: must be a place x,y", text));
   try {
-    return FieldPoint(scene_, geometry_.get(), place[0], place[1]);
+    return {scene_, geometry_.get(), place[0], place[1]};
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(fmt::format("--probe {}: {}", text, error.what()));
   }

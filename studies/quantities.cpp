@@ -42,7 +42,7 @@ struct Place {
   }
   /// Formula of the columns of series.csv.
   std::string formula(const std::string& key) const {
-    const std::string found = strict.text(node, below, key);
+    std::string found = strict.text(node, below, key);
     try {
       if (!found.empty()) names_in(found);
     } catch (const FormulaError& error) {

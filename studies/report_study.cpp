@@ -229,7 +229,7 @@ fs::path report(const fs::path& given, const fs::path& out) {
     throw std::invalid_argument(fmt::format(
         "{}: holds neither a run (scene.yaml, series.csv) nor a sweep (results.csv). Give the folder of one.",
         folder.string()));
-  const fs::path path = out.empty() ? folder / "report.html" : out;
+  fs::path path = out.empty() ? folder / "report.html" : out;
   write_atomically(path, page);
   return path;
 }

@@ -77,7 +77,7 @@ std::string StrictReader::word(const YamlNode& map, const std::string& below, co
                                const std::vector<std::string>& words,
                                const std::optional<std::string>& other) {
   const std::size_t before = said();
-  const std::string found = text(map, below, key, other);
+  std::string found = text(map, below, key, other);
   if (said() == before && std::ranges::count(words, found) == 0) {
     const std::string meant = nearest(found, words);
     say(map.find(key)->line, below + key,

@@ -46,8 +46,7 @@ class Sweep {
       : o_(options), study_(std::move(study)), runs_(runs_of(study_, warnings_)),
         folder_(options.out.empty() ? fs::path("sweeps") / study_.name : options.out),
         cores_(std::max(1, static_cast<int>(std::thread::hardware_concurrency()))) {
-    for (const std::string& warning : o_.warn ? warnings_ : std::vector<std::string>{})
-      fmt::print(stderr, "{}\n", warning);
+    for (const std::string& warning : o_.warn ? warnings_ : std::vector<std::string>{}) tell(warning);
     for (const StudyRun& run : runs_)
       seconds_.push_back(cell_step_seconds * static_cast<double>(run.scene.patch().cells()) *
                          expected_steps(run.scene, expected_speed(run.scene)));
@@ -83,10 +82,10 @@ class Sweep {
                      ? fmt::format(". Slurm works on: scancel {} ends it", slurm_->jobs())
                      : "");
     else if (lost_ > 0)
-      fmt::print(stderr,
-                 "{} of {} runs were ended by Slurm, not by themselves (sacct -j {} says why); the same "
-                 "command tries them again\n",
-                 lost_, runs_.size(), slurm_->jobs(","));
+      tell(
+          fmt::format("{} of {} runs were ended by Slurm, not by themselves (sacct -j {} says why); the same "
+                      "command tries them again",
+                      lost_, runs_.size(), slurm_->jobs(",")));
     else
       fmt::print("{}: {} runs, {} failed\n", (folder_ / "results.csv").string(), runs_.size(), failed);
     return {static_cast<int>(runs_.size()), failed, lost_, interrupted_};
@@ -190,8 +189,8 @@ class Sweep {
       std::this_thread::sleep_for(between_questions / 50);
       look_for_interrupt();
     }
-    const auto alive = slurm_->alive();
-    if (!alive && !silent_) fmt::print(stderr, "squeue has no answer; waiting for it\n");
+    auto alive = slurm_->alive();
+    if (!alive && !silent_) tell("squeue has no answer; waiting for it");
     silent_ = !alive;
     return alive;
   }

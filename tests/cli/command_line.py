@@ -96,6 +96,21 @@ class CommandLine(unittest.TestCase):
                     place = "" if "YAML" in words else f"scene.yaml:{LINE[key]} "
                     self.refuse(command, "scene.yaml", says=["scene.yaml:", place + words])
 
+    def test_words_that_cannot_be_written(self):
+        """The exit status tells then, and no file of a run gets them."""
+        def status(command, streams):
+            return subprocess.run(["sh", "-c", f'exec "$0" "$@" {streams}', PROGRAM, command, "scene.yaml", "--threads=1"],
+                                  cwd=self.folder.name, timeout=120).returncode
+
+        self.scene(name="nme: test")
+        for streams in ("2>/dev/full", "2>&-", "<&- >&- 2>&-"):
+            self.assertEqual(status("check", streams), 2, streams)
+        self.scene(output="output: {fields_every: 1, snapshots_every: 0}")
+        self.assertEqual(status("run", "<&- >&- 2>&-"), 0)
+        for name, begins in {"series.csv": b"t,step", "fields.h5": b"\x89HDF", "run.log": b"20"}.items():
+            with open(self.path(f"runs/test/{name}"), "rb") as file:
+                self.assertTrue(file.read().startswith(begins), name)
+
     def test_all_errors_at_once(self):
         self.scene(domain="domain: {width: 0, height: 40}", time="time: {cfl: 2}", name="nme: test")
         result = self.refuse("run", "scene.yaml", "--set", "threads=-1", "--set", "foo=1",

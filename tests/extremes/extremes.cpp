@@ -58,7 +58,7 @@ bool report(const std::vector<Trial>& trials) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): what it throws may end it
   CLI::App app{
       "Extreme scenes: finished, stopped with a cause, or refused; never NaN, a hang, a crash or missing "
       "mass."};

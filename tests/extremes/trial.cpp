@@ -44,7 +44,7 @@ class FiniteSeries : public Observer {
 /// The first of the fields that output.fields may name, and of those that are advected, which holds a value that is not
 /// finite; empty if there is none.
 std::string bad_field(const Simulation& simulation) {
-  if (const std::string bad = not_finite(simulation.fields()); !bad.empty()) return bad;
+  if (std::string bad = not_finite(simulation.fields()); !bad.empty()) return bad;
   for (const FieldInfo& info : known_fields()) {
     if (!has_field(simulation.scene(), info)) continue;
     const CellField field = simulation.derived(info.name);

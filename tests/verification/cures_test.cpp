@@ -33,9 +33,10 @@ Outcome outcome(Scene scene) {
   const Fields& f = s.fields();
   const int n = f.p.nx();
   double corner = 0, checker = 0, cells = 0;
-  for (int j = 0; j < n / 10; ++j)
-    for (int i = 0; i < n / 10; ++i) corner += 0.5 * (f.p(i, j) + f.p(n - 1 - i, j));
-  corner /= (n / 10) * (n / 10);
+  const int near = n / 10;
+  for (int j = 0; j < near; ++j)
+    for (int i = 0; i < near; ++i) corner += 0.5 * (f.p(i, j) + f.p(n - 1 - i, j));
+  corner /= near * near;
   const CellField eta = s.derived("viscosity"), rate = s.derived("shear_rate");
   for (int j = 1; j < n; ++j)
     for (int i = 0; i < n; ++i) {

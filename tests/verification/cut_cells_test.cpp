@@ -220,7 +220,7 @@ double distance_to(const PastCylinder& finest, const PastCylinder& coarse) {
   return sum / size;
 }
 
-void past_cylinder_study(std::vector<int> grids, int finest_grid) {
+void past_cylinder_study(const std::vector<int>& grids, int finest_grid) {
   const PastCylinder finest = past_cylinder(finest_grid);
   std::vector<double> rates, velocities, stairs;
   for (int n : grids) {

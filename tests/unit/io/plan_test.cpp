@@ -212,7 +212,7 @@ TEST_CASE("plan: a run that nothing seen will end is said to be one") {
   Scene scene = small_silo();
   scene.time.end = 0;
   scene.stop.mass_below = 0.5;
-  Trial still{scene.patch(), {{0, {}, 100}, {500, {}, 100}}, 1};  // no grain left, long after the start
+  Trial still{scene.patch(), {{0, {}, 100}, {500, {}, 100}}, {1}};  // no grain left, long after the start
   const StepForecast f = predict_steps(scene, still);
   CHECK(f.ends.empty());
   CHECK_FALSE(f.sure);

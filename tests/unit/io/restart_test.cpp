@@ -34,7 +34,7 @@ Summary go_on(Scene scene, const fs::path& out, long steps, int threads = 1) {
   Simulation simulation(scene);
   Archive* from = found.from ? found.from->state.get() : nullptr;
   RunFolder folder(scene, to_yaml(scene), {.out = out, .force = true, .quiet = true, .from = from});
-  const Summary summary = simulation.run({&folder}, from);
+  Summary summary = simulation.run({&folder}, from);
   folder.finish(summary);
   return summary;
 }

@@ -75,7 +75,7 @@ Scene small_silo() {
 Summary run(const Scene& scene, const RunOptions& options) {
   Simulation simulation(scene);
   RunFolder folder(scene, "name: small\n", options, {"a warning about the scene"});
-  const Summary summary = simulation.run({&folder});
+  Summary summary = simulation.run({&folder});
   folder.finish(summary);
   return summary;
 }

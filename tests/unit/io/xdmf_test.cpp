@@ -100,7 +100,8 @@ TEST_CASE("fields come back as they were written, with the geometry", "[io]") {
   for (int k = 0; k < 3; ++k) writer.write(frame_number(k, patch));
 
   const FieldReader reader(folder.path);
-  const RunInfo wrote = info_of_patch(patch), read = reader.info();
+  const RunInfo wrote = info_of_patch(patch);
+  const RunInfo& read = reader.info();
   CHECK(read.name == wrote.name);
   CHECK(read.units == wrote.units);
   CHECK(read.patch == wrote.patch);

@@ -278,10 +278,10 @@ TEST_CASE("the pressure operator is symmetric and positive, and 0 for a constant
     for (const auto& [name, b] : all_kinds_of_boundaries(p.nx, p.ny)) {
       INFO(name << ' ' << p.nx << " x " << p.ny);
       const auto a = random_poisson<double>(p, b, noise, 1e3);
-      const auto random = [&] {
+      const auto random = [&, periodic = b.periodic_x] {
         CellField q(p);
         fill_random(q, noise);
-        for (int j = 0; b.periodic_x && j < p.ny; ++j) wrap_row(q.row(j), p.nx);
+        for (int j = 0; periodic && j < p.ny; ++j) wrap_row(q.row(j), p.nx);
         return q;
       };
       const CellField x = random(), y = random();
@@ -329,8 +329,8 @@ TEST_CASE("relaxation of the pressure rows is red-black Gauss-Seidel") {
       CellField x(p), b(p);
       fill_random(x, noise);
       fill_random(b, noise);
-      const auto wrap = [&](CellField& f) {
-        for (int j = 0; boundary.periodic_x && j < p.ny; ++j) wrap_row(f.row(j), p.nx);
+      const auto wrap = [&, periodic = boundary.periodic_x](CellField& f) {
+        for (int j = 0; periodic && j < p.ny; ++j) wrap_row(f.row(j), p.nx);
       };
       wrap(x);
       CellField plain = x;

@@ -140,9 +140,9 @@ TEST_CASE("corner viscosity: harmonic and arithmetic means, weights of walls, wr
       INFO(name << (harmonic ? " harmonic" : " arithmetic"));
       CornerField corner(p);
       for (int j = 0; j <= ny; ++j) corner_viscosity_row(eta, b, harmonic, j, corner);
-      const auto mean = [&](int i, int j) {
+      const auto mean = [&, periodic = b.periodic_x](int i, int j) {
         const auto at = [&](int ii, int jj) {
-          ii = b.periodic_x ? (ii + nx) % nx : std::clamp(ii, 0, nx - 1);
+          ii = periodic ? (ii + nx) % nx : std::clamp(ii, 0, nx - 1);
           return eta(ii, std::clamp(jj, 0, ny - 1));
         };
         const double four[] = {at(i - 1, j - 1), at(i, j - 1), at(i - 1, j), at(i, j)};

@@ -97,11 +97,12 @@ TEST_CASE("smoothing: the variance of the kernel is length^2 / 2") {
       CHECK((pass.weight > 0 && pass.weight <= 0.25));
       smooth_in_place(f.row(0), n, pass, false);
     }
+    const int middle = n / 2;
     double sum = 0, mean = 0, square = 0, least = 0;
     for (int i = 0; i < n; ++i) {
       sum += f(i, 0);
-      mean += f(i, 0) * (i - n / 2);
-      square += f(i, 0) * (i - n / 2) * (i - n / 2);
+      mean += f(i, 0) * (i - middle);
+      square += f(i, 0) * (i - middle) * (i - middle);
       least = std::min(least, f(i, 0));
     }
     CHECK(sum == Approx(1).epsilon(1e-12));

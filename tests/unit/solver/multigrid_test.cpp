@@ -82,7 +82,8 @@ template <class T>
 int pressure_iterations(int n, int orifice_cells, double air_density) {
   Scene s = silo_scene(n);
   s.orifices[0].width = orifice_cells * s.width / n;
-  s.orifices[0].centre = (n / 2 + 0.5 * (orifice_cells % 2)) * s.width / n;
+  const int middle = n / 2;
+  s.orifices[0].centre = (middle + 0.5 * (orifice_cells % 2)) * s.width / n;
   const Patch p = s.patch();
   CellField density(p), pressure(p);
   for (int j = -halo; j < n + halo; ++j)
@@ -109,7 +110,7 @@ Matrix cycle_matrix(Multigrid<Level>& multigrid) {
   std::vector<std::pair<int, int>> points;
   for (int k = 0; k < row_count(level.b); ++k)
     for (int i = 0; i < row_of(level.b, k).n; ++i)
-      if (!level.fixed(k, i)) points.push_back({k, i});
+      if (!level.fixed(k, i)) points.emplace_back(k, i);
   Matrix matrix;
   Team alone;
   for (const auto& [row, point] : points) {

@@ -73,7 +73,7 @@ TEST_CASE("slow grains: exact shares by speed, and above a flat top") {
 TEST_CASE("slow grains: a flat top that cuts cells has its share of them, one above another counts once") {
   Scene s = box(8);  // cells of 2
   CellField grains(s.patch(), 1), speed(s.patch());
-  const auto above = [&](std::vector<FlatTop> tops) {
+  const auto above = [&](const std::vector<FlatTop>& tops) {
     return slow_shares(grains, speed, nullptr, tops, {1}, 1).above_flat_tops[0];
   };
   CHECK(above({{3, 10, 9}}) == Approx(7.0 * 7 / 256).epsilon(1e-14));

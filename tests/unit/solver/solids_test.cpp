@@ -356,7 +356,8 @@ TEST_CASE("feed: a material, and a level in the domain") {
 TEST_CASE("thirty inserts of all shapes") {
   std::vector<Insert> all;
   for (int k = 0; k < 30; ++k) {
-    const double x = 15 + 24 * (k % 6), y = 30 + 20 * (k / 6);
+    const int column = k % 6, row = k / 6;
+    const double x = 15 + 24 * column, y = 30 + 20 * row;
     all.push_back(k % 7 == 6 ? insert_of(star(x, y, 8, 4, 100))
                              : solid(static_cast<Shape>(k % 7), x, y, 12, k % 7 == 0 || k % 7 == 5 ? 0 : 12));
   }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double h = 0.5, plenty = 1e300;
 
-TimeStep chosen(const FastestCells& fastest, double before, double left = plenty, Scene scene = {}) {
+TimeStep chosen(const FastestCells& fastest, double before, double left = plenty, const Scene& scene = {}) {
   return choose_time_step(scene, fastest, h, before, left);
 }
 
