@@ -12,6 +12,8 @@
 #include <ctime>
 #include <exception>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <new>
 #include <optional>
 #include <stdexcept>
@@ -23,6 +25,7 @@
 #include "io/files.hpp"
 #include "io/fit_run.hpp"
 #include "io/forecast.hpp"
+#include "io/key_table.hpp"
 #include "io/plan.hpp"
 #include "io/progress.hpp"
 #include "io/provenance.hpp"
@@ -285,10 +288,16 @@ int measure(const Arguments& a) {
   return finished;
 }
 
-int write_pages(const CLI::App& app, const std::filesystem::path& folder) {
+int write_pages(const CLI::App& app, const Arguments& a) {
+  if (!a.page.empty()) {
+    std::ifstream file(a.page, std::ios::binary);
+    write_atomically(a.page, with_key_tables({std::istreambuf_iterator(file), {}}));
+  }
+  const std::filesystem::path folder = a.out;
   write_atomically(folder / "hourglass.1", man_page(app, provenance().version));
   write_atomically(folder / "hourglass.bash", bash_completion(app));
   write_atomically(folder / "hourglass.zsh", zsh_completion(app));
+  write_atomically(folder / "keys.md", key_table() + "\n" + accuracy_table());
   return finished;
 }
 
@@ -461,9 +470,13 @@ int main(int argc, char** argv) try {
 
   // A reader that has gone and a limit on the size of files are errors like others, told where they happen.
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
-  CLI::App* pages_command = app.add_subcommand("pages", "write the man page and the completions of shells");
+  CLI::App* pages_command =
+      app.add_subcommand("pages", "write the man page, the completions of shells and the reference of keys");
   pages_command->group("");  // for who packages hourglass
   pages_command->add_option("folder", a.out, "folder")->required()->check(CLI::ExistingDirectory);
+  pages_command
+      ->add_option("--page", a.page, "put the reference of keys between its markers in this page, too")
+      ->check(CLI::ExistingFile);
 
   try {
     app.parse(argc, argv);
@@ -480,7 +493,7 @@ int main(int argc, char** argv) try {
   if (*measure_command) return measure(a);
   if (*report_command) return report(a);
   if (*fit_command) return fit(a);
-  if (*pages_command) return write_pages(app, a.out);
+  if (*pages_command) return write_pages(app, a);
   return render(a);
 } catch (const std::invalid_argument& error) {  // what was asked for cannot be: nothing was written
   tell(error.what());

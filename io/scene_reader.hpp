@@ -1,5 +1,5 @@
 #pragma once
-// The visitor of scene_keys.hpp that reads: strict about keys, types and words, and patient: it notes
+// The visitor of solver/scene_keys.hpp that reads: strict about keys, types and words, and patient: it notes
 // everything that does not fit and goes on.
 #include <fmt/format.h>
 
@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "io/yaml_tree.hpp"
-#include "solver/scene.hpp"
+#include "solver/scene_keys.hpp"
 
 namespace hourglass {
 
@@ -31,26 +31,29 @@ class SceneReader {
 
   explicit SceneReader(const YamlNode& root) { levels_.push_back({&root, &root, "", {}, {}, true}); }
 
-  void text(const char* key, std::string& value) {
+  void text(const char* key, std::string& value, const Key&) {
     const YamlNode* node = child(key);
     if (!node) return;
     if (node->kind != Kind::scalar) return wrong_type(*node, key, "a text");
     value = node->text;
   }
 
-  void number(const char* key, double& value, const char* required = nullptr) {
-    const YamlNode* node = child(key, required);
-    if (node || required) value = std::numeric_limits<double>::quiet_NaN();
-    if (node) read_number(*node, join(here().path, key), value);
+  void number(const char* key, double& value, const Key& about) {
+    const YamlNode* node = child(key, about.missing);
+    if (node || about.missing) value = std::numeric_limits<double>::quiet_NaN();
+    if (node)
+      read_number(*node, join(here().path, key), value);
+    else if (about.multiple && here().sound)
+      unscaled.push_back({join(here().path, key), value, about.multiple->scale});
   }
-  void number(const char* key, std::optional<double>& value) {
+  void number(const char* key, std::optional<double>& value, const Key&) {
     if (const YamlNode* node = child(key)) value = 0, read_number(*node, join(here().path, key), *value);
   }
 
   template <class Integer>
-  void integer(const char* key, Integer& value, const char* required = nullptr) {
-    const YamlNode* node = child(key, required);
-    if (node || required) value = 0;
+  void integer(const char* key, Integer& value, const Key&) {
+    const YamlNode* node = child(key);
+    if (node) value = 0;
     double read = 0;
     if (!node || !read_number(*node, join(here().path, key), read, "a whole number")) return;
     if (read != std::floor(read))
@@ -63,20 +66,20 @@ class SceneReader {
 
   /// Or this word, which leaves the value as it is.
   template <class Integer>
-  void integer_or(const char* word, const char* key, Integer& value) {
+  void integer_or(const char* word, const char* key, Integer& value, const Key& about) {
     const YamlNode* node = here().node ? here().node->find(key) : nullptr;
     if (node && node->kind == Kind::scalar && node->text == word)
       child(key);
     else
-      integer(key, value);
+      integer(key, value, about);
   }
 
-  void pair(const char* key, std::array<double, 2>& value, const char* required = nullptr) {
-    const YamlNode* node = child(key, required);
+  void pair(const char* key, std::array<double, 2>& value, const Key& about) {
+    const YamlNode* node = child(key, about.missing);
     if (node) read_pair(*node, join(here().path, key), value);
   }
 
-  void texts(const char* key, std::vector<std::string>& values) {
+  void texts(const char* key, std::vector<std::string>& values, const Key&) {
     const YamlNode* node = child(key);
     if (!node) return;
     values.clear();
@@ -90,9 +93,8 @@ class SceneReader {
 
   /// One of the words; says whether it was one.
   template <class Enum, std::size_t n>
-  bool choice(const char* key, Enum& value, const std::array<const char*, n>& words,
-              const char* required = nullptr) {
-    const YamlNode* node = child(key, required);
+  bool choice(const char* key, Enum& value, const std::array<const char*, n>& words, const Key& about) {
+    const YamlNode* node = child(key, about.missing);
     const int index = node ? read_word(*node, key, {words.begin(), words.end()}) : -1;
     if (index < 0) return false;
     value = static_cast<Enum>(index);
@@ -111,7 +113,7 @@ class SceneReader {
   /// A word that stands for a whole value, whose parts later keys may change.
   template <class T, std::size_t n>
   void preset(const char* key, T& value, const std::array<const char*, n>& words,
-              const std::array<T, n>& values) {
+              const std::array<T, n>& values, const Key&) {
     const YamlNode* node = child(key);
     const int index = node ? read_word(*node, key, {words.begin(), words.end()}) : -1;
     if (index >= 0) value = values[index];
@@ -173,8 +175,8 @@ class SceneReader {
     }
   }
 
-  void material(const char* key, int& index, const std::vector<Material>& materials, const char* required) {
-    const YamlNode* node = child(key, required);
+  void material(const char* key, int& index, const std::vector<Material>& materials, const Key& about) {
+    const YamlNode* node = child(key, about.missing);
     if (!node) return;
     std::vector<std::string> names{"air"};
     for (const Material& m : materials) names.push_back(m.name);
@@ -182,7 +184,7 @@ class SceneReader {
     if (found >= 0) index = found - 1;
   }
 
-  void shape(std::vector<std::array<double, 2>>& points) {
+  void shape(std::vector<std::array<double, 2>>& points, const Key& in_box, const Key& in_polygon) {
     const YamlNode *box = child("box"), *polygon = child("polygon");
     if (!here().node) return;
     if (!box == !polygon) {
@@ -195,8 +197,8 @@ class SceneReader {
     if (box) {
       std::array<double, 2> x{NAN, NAN}, y{NAN, NAN};
       map("box", [&] {
-        pair("x", x, "from and to, e.g. [0, 150]");
-        pair("y", y, "from and to, e.g. [0, 135]");
+        pair("x", x, in_box.required("from and to, e.g. [0, 150]"));
+        pair("y", y, in_box.required("from and to, e.g. [0, 135]"));
         for (const auto& [key, range] : {std::pair{"x", x}, std::pair{"y", y}})
           if (range[0] >= range[1])
             report(
@@ -205,11 +207,11 @@ class SceneReader {
       });
       points = {{x[0], y[0]}, {x[1], y[0]}, {x[1], y[1]}, {x[0], y[1]}};
     } else {
-      map("polygon", [&] { this->points("points", points); });
+      map("polygon", [&] { this->points("points", points, in_polygon); });
     }
   }
 
-  void points(const char* key, std::vector<std::array<double, 2>>& values) {
+  void points(const char* key, std::vector<std::array<double, 2>>& values, const Key&) {
     const YamlNode* node = child(key, "its corners in order, e.g. [[0, 0], [10, 0], [5, 8]]");
     if (!node) return;
     if (node->kind != Kind::list)
@@ -252,7 +254,15 @@ class SceneReader {
     find_duplicates(root, "");
   }
 
+  /// A number that the scene has and the file does not give: its default, to be multiplied by a scale.
+  struct Unscaled {
+    std::string path;
+    double& value;
+    double Scales::*scale;
+  };
+
   std::vector<Finding> findings;
+  std::vector<Unscaled> unscaled;
   std::vector<std::string> skipped;  ///< paths of maps that were not read
 
  private:

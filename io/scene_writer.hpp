@@ -1,5 +1,5 @@
 #pragma once
-// The visitor of scene_keys.hpp that writes.
+// The visitor of solver/scene_keys.hpp that writes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "solver/scene.hpp"
+#include "solver/scene_keys.hpp"
 
 namespace hourglass {
 
@@ -18,23 +18,21 @@ class SceneWriter {
  public:
   std::string out;
 
-  void text(const char* key, const std::string& value) { line(key, quoted(value)); }
-  void number(const char* key, double value, const char* = nullptr) { line(key, fmt::format("{}", value)); }
-  void number(const char* key, const std::optional<double>& value) {
-    if (value) number(key, *value);
+  void text(const char* key, const std::string& value, const Key&) { line(key, quoted(value)); }
+  void number(const char* key, double value, const Key&) { line(key, fmt::format("{}", value)); }
+  void number(const char* key, const std::optional<double>& value, const Key& about) {
+    if (value) number(key, *value, about);
   }
-  void integer(const char* key, long value, const char* = nullptr) { line(key, fmt::format("{}", value)); }
-  void integer_or(const char*, const char* key, long value) { integer(key, value); }
-  void pair(const char* key, const std::array<double, 2>& value, const char* = nullptr) {
-    line(key, point(value));
-  }
-  void texts(const char* key, const std::vector<std::string>& values) {
+  void integer(const char* key, long value, const Key&) { line(key, fmt::format("{}", value)); }
+  void integer_or(const char*, const char* key, long value, const Key& about) { integer(key, value, about); }
+  void pair(const char* key, const std::array<double, 2>& value, const Key&) { line(key, point(value)); }
+  void texts(const char* key, const std::vector<std::string>& values, const Key&) {
     std::vector<std::string> words;
     for (const std::string& value : values) words.push_back(quoted(value));
     line(key, fmt::format("[{}]", fmt::join(words, ", ")));
   }
   template <class Enum, std::size_t n>
-  bool choice(const char* key, Enum value, const std::array<const char*, n>& words, const char* = nullptr) {
+  bool choice(const char* key, Enum value, const std::array<const char*, n>& words, const Key&) {
     line(key, words[static_cast<int>(value)]);
     return true;
   }
@@ -74,10 +72,10 @@ class SceneWriter {
       for (T& value : values) map(value.name.c_str(), [&] { body(value); });
     });
   }
-  void material(const char* key, int index, const std::vector<Material>& materials, const char*) {
+  void material(const char* key, int index, const std::vector<Material>& materials, const Key&) {
     line(key, index < 0 ? "air" : materials[index].name);
   }
-  void shape(const std::vector<std::array<double, 2>>& p) {
+  void shape(const std::vector<std::array<double, 2>>& p, const Key&, const Key&) {
     if (p.size() == 4 && p[0][1] == p[1][1] && p[1][0] == p[2][0] && p[2][1] == p[3][1] &&
         p[3][0] == p[0][0] && p[0][0] < p[1][0] && p[1][1] < p[2][1]) {
       line("box", fmt::format("{{x: {}, y: {}}}", point({p[0][0], p[1][0]}), point({p[1][1], p[2][1]})));
@@ -85,7 +83,9 @@ class SceneWriter {
     }
     line("polygon", fmt::format("{{points: {}}}", listed(p)));
   }
-  void points(const char* key, const std::vector<std::array<double, 2>>& p) { line(key, listed(p)); }
+  void points(const char* key, const std::vector<std::array<double, 2>>& p, const Key&) {
+    line(key, listed(p));
+  }
   bool has(const char*) { return false; }  // alternatives are not written
   void skip(std::initializer_list<const char*>) {}
   void foreign(std::initializer_list<const char*>) {}

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <limits>
 
-#include "io/scene_keys.hpp"
 #include "io/scene_reader.hpp"
 #include "io/scene_writer.hpp"
 #include "io/start.hpp"
 #include "io/yaml_tree.hpp"
+#include "solver/scene_keys.hpp"
 #include "solver/solids.hpp"
 #include "solver/steady_flow.hpp"
 
@@ -21,42 +21,19 @@ namespace {
 using Kind = YamlNode::Kind;
 
 /// Defaults are multiples of the grain's scales; those that the file does not give are brought to them.
-void apply_scales(Scene& s, const YamlNode& root, std::vector<SceneReader::Finding>& findings) {
-  struct Scaled {
-    const char* path;
-    double& value;
-    double scale;
-  };
-  const Scales scale = scales(s);
-  std::vector<Scaled> all{
-      {"air.density", s.air.density, scale.density},
-      {"air.viscosity", s.air.viscosity, scale.viscosity},
-      {"physics.rheology.eta_min", s.rheology.eta_min, scale.viscosity},
-      {"physics.rheology.eta_max", s.rheology.eta_max, scale.viscosity},
-      {"physics.rheology.smoothing_length", s.rheology.smoothing_length, scale.length},
-      {"time.dt_max", s.time.dt_max, scale.time},
-      {"output.series_every", s.output.series_every, scale.time},
-      {"output.fields_every", s.output.fields_every, scale.time},
-      {"output.snapshots_every", s.output.snapshots_every, scale.time},
-  };
-  if (s.dilatancy)
-    all.push_back({"physics.dilatancy.relaxation_time", s.dilatancy->relaxation_time, scale.time});
-  if (s.wall_friction)
-    all.push_back(
-        {"physics.wall_friction.speed_floor", s.wall_friction->speed_floor, scale.length / scale.time});
+void apply_scales(const Scene& s, const YamlNode& root, SceneReader& reader) {
+  const Scales all = scales(s);
   std::vector<std::string> without_scale;
-  for (const Scaled& one : all) {
-    const YamlNode* node = &root;
-    for (const std::string& step : split_path(one.path)) node = node ? node->find(step) : nullptr;
-    if (node) continue;
-    if (std::isfinite(one.scale) && one.scale > 0)
-      one.value *= one.scale;
+  for (const SceneReader::Unscaled& one : reader.unscaled) {
+    const double scale = all.*one.scale;
+    if (std::isfinite(scale) && scale > 0)
+      one.value *= scale;
     else if (s.gravity[0] == 0 && s.gravity[1] == 0)
       without_scale.push_back(one.path);
   }
   const YamlNode* gravity = root.find("gravity");
   if (!without_scale.empty())
-    findings.push_back(
+    reader.findings.push_back(
         {gravity ? gravity : &root, "gravity",
          fmt::format("is zero, so these have no default: {}. Give them.", fmt::join(without_scale, ", "))});
 }
@@ -179,12 +156,11 @@ Loaded load_scene(const std::filesystem::path& path, const std::vector<std::stri
   SceneReader reader(root);
   visit_scene(reader, scene);
   reader.finish(root);
-  apply_scales(scene, root, reader.findings);
+  apply_scales(scene, root, reader);
   const bool outlet_added = open_outlet(scene);
   choose_cells(root, loaded, reader.findings);
 
   find_start(root, scene, reader.findings);
-  resolve_model(scene);
 
   struct Placed {
     int line;
@@ -213,6 +189,7 @@ Loaded load_scene(const std::filesystem::path& path, const std::vector<std::stri
                     [&](const std::string& skipped) { return problem.path.starts_with(skipped + "."); });
     if (!follows) place(nearest_node(root, problem.path), problem.path, problem.message, problem.fatal);
   }
+  resolve_model(scene);  // after check(), which speaks of what the file gives
   std::stable_sort(placed.begin(), placed.end(),
                    [](const Placed& a, const Placed& b) { return a.line < b.line; });
   for (Placed& p : placed) diagnostics.push_back(std::move(p.diagnostic));

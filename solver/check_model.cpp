@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "solver/scene_checks.hpp"
+#include "solver/scene_keys.hpp"
 #include "solver/solids.hpp"
 #include "solver/steady_flow.hpp"
 
@@ -47,44 +48,47 @@ void check_unable(const Scene& s, const std::string& model, Problems& p) {
          "an orifice narrower than the hopper's outlet");
 }
 
+/// Brings dimensional defaults to scale.
+class ToScale : public KeyVisitor {
+ public:
+  explicit ToScale(const Scales& to) : scales_(to) {}
+  void number(const char*, double& value, const Key& about) {
+    if (about.multiple) value *= scales_.*about.multiple->scale;
+  }
+  void number(const char*, const std::optional<double>&, const Key&) {}
+
+ private:
+  Scales scales_;
+};
+
 /// Blocks that say something the model does not read; "" for none.
 std::string unused(const Scene& s) {
   std::vector<std::string> names;
   const auto add = [&](bool differs, const char* name) {
     if (differs) names.push_back(name);
   };
-  const Scales scale = scales(s);  // of the defaults
-  TimeControl time;
-  time.dt_max *= scale.time;
-  Rheology rheology;
-  rheology.eta_min *= scale.viscosity;
-  rheology.eta_max *= scale.viscosity;
-  rheology.smoothing_length *= scale.length;
-  Air air;
-  air.density *= scale.density;
-  air.viscosity *= scale.viscosity;
-  const Material usual, &m = s.materials.front();
-  add(s.air != air, "air");
+  Scene defaults;
+  ToScale to_scale(scales(s));
+  visit_scene(to_scale, defaults);
+  const Material &usual = defaults.materials.front(), &m = s.materials.front();
+  add(s.air != defaults.air, "air");
   add(m.mu_s != usual.mu_s && s.model != Model::radial, "mu_s of the material");
   add(m.delta_mu != usual.delta_mu || m.I_0 != usual.I_0, "delta_mu and I_0 of the material");
   add(m.cohesion != 0, "cohesion of the material");
-  add(s.rheology != rheology, "physics.rheology");
-  add(s.time != time || s.start_pressure != StartPressure::zero, "time");
-  add(s.stop != Stop{}, "stop");
-  add(s.accuracy != Accuracy{}, "accuracy");
+  add(s.rheology != defaults.rheology, "physics.rheology");
+  add(s.time != defaults.time || s.start_pressure != defaults.start_pressure, "time");
+  add(s.stop != defaults.stop, "stop");
+  add(s.accuracy != defaults.accuracy, "accuracy");
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
 void check_radial(const Scene& s, const Radial& r, Problems& p) {
   const Material& m = s.materials.front();
   const std::string friction = fmt::format("It is asin(mu_s) of the material, {}, by default.", m.mu_s);
-  bool sound = p.require(r.phi && *r.phi > 0 && *r.phi < 90, "radial.phi", r.phi.value_or(NAN),
-                         "above 0, below 90", friction);
-  if (!sound) return;
+  if (!p.is_sound("radial.phi") || !p.require(above(0).below(90), "radial.phi", *r.phi, friction)) return;
+  bool sound = p.is_sound("radial.half_angle");
   sound &= p.require(*r.phi_w > 0 && *r.phi_w <= *r.phi, "radial.phi_w", *r.phi_w,
                      fmt::format("above 0, at most phi = {:.6g}", *r.phi), "Steel has about half of phi.");
-  sound &= p.require(*r.half_angle > 0 && *r.half_angle < 90, "radial.half_angle", *r.half_angle,
-                     "above 0, below 90", "It is in degrees, against the vertical.");
   if (s.hopper && sound && *r.half_angle != s.hopper->half_angle) {
     p.error("radial.half_angle",
             fmt::format("{} is not that of the hopper, {}. Remove it.", *r.half_angle, s.hopper->half_angle));
@@ -137,24 +141,11 @@ void check_model(const Scene& given, Problems& p) {
     for (const FieldInfo& field : known_fields())
       if (field.name == given.output.fields[k] && !has_field(given, field))
         p.warn(fmt::format("output.fields.{}", k), fmt::format("model {} has no {}.", model, field.name));
+  const bool hopper_sound = p.is_sound("hopper") && p.is_sound("materials") && p.is_sound("orifices");
+  if (given.model != Model::radial || !hopper_sound) return;
   Scene s = given;
   resolve_model(s);
-  const auto positive = [&](const std::string& key, double value, const char* cure) {
-    p.require(value > 0, model + "." + key, value, "> 0", cure);
-  };
-  constexpr const char* usual_Q = "rho sqrt(g) W^1.5 is the default.";
-  if (s.model == Model::kinematic) {
-    positive("B", *s.kinematic->B, "2 d is usual.");
-    positive("Q", *s.kinematic->Q, usual_Q);
-  } else if (s.model == Model::stochastic) {
-    positive("L_s", *s.stochastic->L_s, "4 d is usual.");
-    positive("Q", *s.stochastic->Q, usual_Q);
-    p.require(s.stochastic->spot >= 0, "stochastic.spot", s.stochastic->spot, ">= 0", "0 does not average.");
-  } else {
-    positive("Q", *s.radial->Q, usual_Q);
-    const bool hopper_sound = p.is_sound("hopper") && p.is_sound("materials") && p.is_sound("orifices");
-    if (hopper_sound) check_radial(s, *s.radial, p);
-  }
+  check_radial(s, *s.radial, p);
 }
 
 }  // namespace hourglass

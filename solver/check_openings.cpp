@@ -92,8 +92,6 @@ void check_middle(const Scene& s, Problems& p) {
 
 void check_hopper(const Scene& s, bool domain_sound, Problems& p) {
   const Hopper& hopper = *s.hopper;
-  p.require(hopper.half_angle > 0 && hopper.half_angle < 90, "hopper.half_angle", hopper.half_angle,
-            "above 0, below 90", "It is in degrees, against the vertical.");
   const double most = s.left_is_middle() ? 2 * s.width : s.width;
   if (domain_sound)
     p.require(hopper.outlet > 0 && hopper.outlet < most, "hopper.outlet", hopper.outlet,
@@ -123,10 +121,8 @@ void check_openings(const Scene& s, bool domain_sound, Problems& p) {
   for (std::size_t k = 0; k < s.orifices.size(); ++k) {
     const Orifice& o = s.orifices[k];
     const std::string path = fmt::format("orifices.{}", k);
-    bool sound = domain_sound && std::isfinite(o.centre);
     if (!std::isfinite(o.centre)) p.error(path + ".centre", fmt::format("{} is not finite.", o.centre));
-    sound &= p.require(o.width > 0, path + ".width", o.width, "> 0");
-    if (sound) check_orifice(s, k, p);
+    if (domain_sound && p.is_sound(path)) check_orifice(s, k, p);
   }
 }
 

@@ -144,11 +144,9 @@ bool check_insert(const Scene& s, std::size_t k, bool domain_sound, Problems& p)
     }
   } else {
     if (!finite(insert.centre)) p.error(path + ".centre", "is not finite.");
-    p.require(insert.width > 0, path + (circle ? ".diameter" : ".width"), insert.width, "> 0");
     if (square && insert.height != 0 && insert.height != insert.width)
       p.error(path + ".height",
               fmt::format("{} is not the width, {}. Use shape rectangle.", insert.height, insert.width));
-    if (!square && !circle) p.require(insert.height > 0, path + ".height", insert.height, "> 0");
   }
   if (!p.is_sound(path) || !domain_sound) return false;
 

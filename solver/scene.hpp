@@ -280,7 +280,7 @@ struct Output {
   std::vector<std::string> fields{"speed",  "pressure",       "grains",
                                   "tracer", "fluidity_ratio", "packing"};  ///< those that the scene has
   double checkpoint_minutes = 10;  ///< of wall time between states to resume from; 0: only at the run's end
-  int compression = 0;  ///< of fields.h5: level of deflate, 0 (none) to 9
+  int compression = 0;             ///< of fields.h5: level of deflate, 0 (none) to 9
   bool operator==(const Output&) const = default;
 };
 
@@ -335,6 +335,7 @@ struct Scales {
   double time = 1;       ///< sqrt(d/g) [T]
   double density = 1;    ///< rho [M/L^2]
   double viscosity = 1;  ///< rho sqrt(g d^3) [M/T]
+  double speed = 1;      ///< sqrt(g d) [L/T]
 };
 Scales scales(const Scene& scene);
 

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "solver/range.hpp"
 #include "solver/scene.hpp"
 
 namespace hourglass {
@@ -29,6 +30,9 @@ class Problems {
     error(path,
           fmt::format("{} is out of range (must be {}).{}{}", value, allowed, cure.empty() ? "" : " ", cure));
     return false;
+  }
+  bool require(const Range& range, const std::string& path, double value, std::string_view cure = "") {
+    return require(range.holds(value), path, value, range.words(), cure);
   }
 
   /// Whether nothing at this path or below it is wrong so far; of the whole scene for none.
@@ -52,6 +56,9 @@ int painted(const Scene& scene, double x, double y);
 
 /// Whether a side is open and gravity does not keep grains from leaving over it.
 bool leaves_over(const Scene& scene, Side side);
+
+/// Numbers by themselves, each against the range of its key. Call first: other checks ask what is sound.
+void check_ranges(const Scene& scene, Problems& problems);
 
 /// Walls, the middle of the domain, orifices. `domain_sound`: there is a grid.
 void check_openings(const Scene& scene, bool domain_sound, Problems& problems);
