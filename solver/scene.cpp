@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "kernels/polygon.hpp"
 #include "solver/scene_checks.hpp"
@@ -475,8 +476,8 @@ bool leaves_over(const Scene& s, Side side) {
 
 int painted(const Scene& s, double x, double y) {
   if (s.start) return 0;  // whatever the run holds there
-  for (auto fill = s.fill.rbegin(); fill != s.fill.rend(); ++fill)
-    if (contains(*fill, x, y)) return fill->material;
+  for (const Fill& fill : std::views::reverse(s.fill))
+    if (contains(fill, x, y)) return fill.material;
   return -1;
 }
 
