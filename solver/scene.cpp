@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 
 #include "kernels/polygon.hpp"
 #include "solver/scene_checks.hpp"
@@ -476,9 +475,9 @@ bool leaves_over(const Scene& s, Side side) {
 
 int painted(const Scene& s, double x, double y) {
   if (s.start) return 0;  // whatever the run holds there
-  for (const Fill& fill : std::views::reverse(s.fill))
-    if (contains(fill, x, y)) return fill.material;
-  return -1;
+  const auto last =
+      std::find_if(s.fill.rbegin(), s.fill.rend(), [&](const Fill& fill) { return contains(fill, x, y); });
+  return last == s.fill.rend() ? -1 : last->material;
 }
 
 std::vector<Problem> check(const Scene& scene) {
