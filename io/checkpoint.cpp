@@ -90,23 +90,32 @@ class Restoring final : public Hdf5Archive {
     group_ = state_;
   }
   hid_t file() const { return file_; }
-  /// Everything that the state holds, once.
+  /// Throws if what there is cannot even be named: then read_through() has not been far.
+  void list() const {
+    for (const hid_t group : {hid_t{file_}, group_}) h5::attribute_names(group);
+    h5::member_names(group_);
+  }
+  /// Reads all there is, whatever of it cannot be read, as numbers and as texts: nothing else is read later.
   void read_through() const {
+    const auto attempt = [](const auto& read) {
+      try {
+        read();
+      } catch (const std::exception&) {
+      }
+    };
+    for (const hid_t group : {hid_t{file_}, group_})
+      for (const std::string& name : h5::attribute_names(group)) {
+        attempt([&] { h5::read_strings(group, name); });
+        attempt([&] { h5::read_numbers(group, name); });
+      }
     std::vector<double> values;
-    for (const std::string& name : h5::member_names(group_)) {
-      const h5::Id set(H5Dopen2(group_, name.c_str(), H5P_DEFAULT), H5Dclose, name);
-      const h5::Id shape(H5Dget_space(set), H5Sclose, name);
-      values.resize(static_cast<std::size_t>(h5::checked(H5Sget_simple_extent_npoints(shape), name)));
-      h5::checked(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), name);
-    }
-    for (const std::string& name : h5::attribute_names(group_)) {
-      const h5::Id attribute(H5Aopen(group_, name.c_str(), H5P_DEFAULT), H5Aclose, name);
-      const h5::Id type(H5Aget_type(attribute), H5Tclose, name);
-      if (H5Tget_class(type) == H5T_STRING)
-        h5::read_strings(group_, name);
-      else
-        h5::read_numbers(group_, name);
-    }
+    for (const std::string& name : h5::member_names(group_))
+      attempt([&] {
+        const h5::Id set(H5Dopen2(group_, name.c_str(), H5P_DEFAULT), H5Dclose, name);
+        const h5::Id shape(H5Dget_space(set), H5Sclose, name);
+        values.resize(static_cast<std::size_t>(h5::checked(H5Sget_simple_extent_npoints(shape), name)));
+        h5::checked(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), name);
+      });
   }
   bool restoring() const override { return true; }
   void number(const std::string& name, double& value) override {
@@ -208,17 +217,12 @@ void check_same_scene(const fs::path& folder, const std::string& stored, const S
 /// Throws std::invalid_argument if the checkpoint is whole, but not of this scene or version.
 Checkpoint opened(const fs::path& path, const Scene& scene, std::vector<std::string>& words) {
   // Its checksum can be made up, and damaged files make the HDF5 library itself crash: a child tries first.
-  const auto all = [&] {
-    const Restoring state(path);
-    for (const char* name : {"format", "version", "scene", "build"}) h5::read_string(state.file(), name);
-    for (const char* name : {"time", "step"}) h5::read_number(state.file(), name);
-    state.read_through();
-  };
-  if (!survives(all))
+  if (!survives([&] { Restoring(path).read_through(); }))
     throw std::invalid_argument(fmt::format(
         "{}: the HDF5 library does not survive reading it. Run again from the start with --force.",
         path.string()));
   auto state = std::make_unique<Restoring>(path);
+  state->list();
   const Provenance p = provenance();
   const std::string format = h5::read_string(state->file(), "format"),
                     version = h5::read_string(state->file(), "version");
