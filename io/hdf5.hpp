@@ -88,23 +88,23 @@ inline hsize_t member_count(hid_t group) {
   return about.nlinks;
 }
 
+/// For HDF5's iterations: adds the name that they come to.
+template <class About>
+herr_t keep_name(hid_t, const char* name, const About*, void* names) {
+  static_cast<std::vector<std::string>*>(names)->push_back(name);
+  return 0;
+}
+
 inline std::vector<std::string> member_names(hid_t group) {
   std::vector<std::string> names;
-  const auto keep = [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
-    static_cast<std::vector<std::string>*>(out)->push_back(name);
-    return 0;
-  };
-  checked(H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, keep, &names), "group");
+  checked(H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, keep_name<H5L_info_t>, &names), "group");
   return names;
 }
 
 inline std::vector<std::string> attribute_names(hid_t object) {
   std::vector<std::string> names;
-  const auto keep = [](hid_t, const char* name, const H5A_info_t*, void* out) -> herr_t {
-    static_cast<std::vector<std::string>*>(out)->push_back(name);
-    return 0;
-  };
-  checked(H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, nullptr, keep, &names), "attributes");
+  checked(H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, nullptr, keep_name<H5A_info_t>, &names),
+          "attributes");
   return names;
 }
 

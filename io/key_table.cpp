@@ -12,7 +12,7 @@ namespace hourglass {
 namespace {
 
 /// The visitor of solver/scene_keys.hpp that notes what there is, whether the scene has it or not.
-class KeyLister {
+class KeyLister : public KeyVisitor {
  public:
   std::vector<KeyRow> rows;
 
@@ -64,10 +64,6 @@ class KeyLister {
               const Key& about) {
     add_words(key, words, "", about);
   }
-  bool word(const char*, int&, const auto&) { return false; }
-  bool has(const char*) { return false; }
-  void skip(std::initializer_list<const char*>) {}
-  void foreign(std::initializer_list<const char*>) {}
 
   void map(const char* key, auto&& body) {
     const std::string before = path_;

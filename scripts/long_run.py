@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """A long run with everything on: does its memory stay flat, its mass stay, its tolerances hold?
 
-    scripts/long_run.py PROGRAM [--out DIR] [--cells 512] [--steps 20000] [--threads 2] [--resume]
+    scripts/long_run.py PROGRAM [--out DIR] [--cells 512] [--steps 20000] [--threads 2]
 
 configs/silo_everything.yaml, fed so that it never drains. Writes DIR/memory.csv while it goes on and DIR/long_run.md at its end, the
 table of docs/reliability.md. Exit status 1 if the run ended in another way than at its last step.
@@ -33,7 +33,7 @@ def run(options):
                str(options.threads), "--set", f"grid.cells_x={options.cells}", "--set", f"time.max_steps={options.steps}"]
     for key in SETS:
         command += ["--set", key]
-    process = subprocess.Popen([*command, *(["--resume"] if options.resume else [])])
+    process = subprocess.Popen(command)
     began = time.time()
     while not (options.out / "series.csv").exists() and process.poll() is None:
         time.sleep(1)
@@ -77,7 +77,6 @@ def main():
     parser.add_argument("--cells", type=int, default=512)
     parser.add_argument("--steps", type=int, default=20000)
     parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("--resume", action="store_true", help="go on with the run in the folder")
     options = parser.parse_args()
     status = run(options)
     if status == 0:
