@@ -148,7 +148,7 @@ class Restoring final : public Hdf5Archive {
 /// Of the first `bytes` of a file: a word at a time, in the manner of Fowler, Noll and Vo's hash.
 std::string seal_of(const fs::path& path, std::size_t bytes) {
   std::ifstream in(path, std::ios::binary);
-  std::vector<char> block(1 << 20);
+  std::vector<char> block(std::min<std::size_t>(bytes, 1 << 20));
   std::uint64_t hash = 0xcbf29ce484222325;
   while (bytes > 0 && in) {
     const std::size_t n = std::min(bytes, block.size());
