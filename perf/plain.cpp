@@ -253,7 +253,8 @@ template void vof_sweep(CellField&, const XFaceField&, double, const DilationOwn
 template void vof_sweep(CellField&, const YFaceField&, double, const DilationOwner&, YFaceField&);
 
 void advect(const Velocity& w, const MassTransport& mass, double dt_h, Velocity& out) {
-  const auto& [u, v] = w;
+  const XFaceField& u = w.u;
+  const YFaceField& v = w.v;
   const int ny = w.patch().ny;
   const auto& uniform = mass.uniform;
   const auto flag_u = [&](int i, int j) { return double(uniform(i - 1, j) * uniform(i, j)); };
@@ -291,7 +292,8 @@ void advect(const Velocity& w, const MassTransport& mass, double dt_h, Velocity&
 }
 
 void shear_rate_squared(const Velocity& w, CellField& gamma2) {
-  const auto& [u, v] = w;
+  const XFaceField& u = w.u;
+  const YFaceField& v = w.v;
   const double h = gamma2.patch().h;
   const auto corner = [&](int i, int j) { return (u(i, j) - u(i, j - 1) + v(i, j) - v(i - 1, j)) / h; };
   for (int j = 0; j < gamma2.ny(); ++j)

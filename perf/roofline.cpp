@@ -118,7 +118,7 @@ class Chart {
       text(letter(k), at_x[k], highest + 14, Align::middle, Align::begin);
     }
   }
-  static std::string letter(std::size_t k) { return std::string(1, static_cast<char>('a' + k)); }
+  static std::string letter(std::size_t k) { return {static_cast<char>('a' + k)}; }
 
   void paint_key() {
     double at = top - 10;

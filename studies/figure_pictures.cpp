@@ -88,7 +88,7 @@ class Drawing {
     double lo = HUGE_VAL, hi = -HUGE_VAL;
     for (const FigureRun* run : runs_) {
       std::vector<std::optional<double>> times(p_.times.begin(), p_.times.end());
-      if (times.empty()) times.push_back({});
+      if (times.empty()) times.emplace_back();
       for (const std::optional<double>& time : times) {
         const Frame frame = run->data.frame(time, {"grains", p_.field});
         Picture picture = picture_of(p_.field, frame, run->data.info(), {.overlays = p_.overlays});

@@ -172,7 +172,7 @@ class Trade {
                  duration_text(seconds_with_repeats(run)));
       return std::nullopt;
     }
-    if (const auto done = store_->find(run.name)) return done;
+    if (auto done = store_->find(run.name)) return done;
     if (const double needs = seconds_with_repeats(run); needs > seconds_left()) {
       leave_out(run.name, fmt::format("needs about {}, {} left of the budget", duration_text(needs),
                                       duration_text(std::max(0.0, seconds_left()))));
@@ -399,8 +399,8 @@ class Trade {
     row.run.name = row.run.variant.name();
     for (const char* key : {"discharge", "quasi_static"}) {
       std::vector<double> values;
-      for (auto grid = grids.rbegin(); grid != grids.rend(); ++grid)
-        values.push_back((*grid)->outcome.record.at(key).front());
+      for (const TradeResult::Row* grid : grids) values.push_back(grid->outcome.record.at(key).front());
+      std::ranges::reverse(values);
       row.outcome.record[key] = {richardson(values).value};
     }
     double cpu = 0, wall = 0, paces = 0;

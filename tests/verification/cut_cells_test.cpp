@@ -208,12 +208,9 @@ double distance_to(const PastCylinder& finest, const PastCylinder& coarse) {
   double sum = 0, size = 0;
   for (int j = 0; j < u.ny(); ++j)
     for (int i = 0; i < u.ny(); ++i) {
-      double flux = 0, open = 0;
-      for (int k = 0; k < times; ++k) {
-        const double a = finest.aperture.u(times * i, times * j + k);
-        flux += a * fine(times * i, times * j + k);
-        open += a;
-      }
+      double flux = 0;
+      for (int k = 0; k < times; ++k)
+        flux += finest.aperture.u(times * i, times * j + k) * fine(times * i, times * j + k);
       sum += std::abs(coarse.aperture.u(i, j) * u(i, j) - flux / times);
       size += std::abs(flux / times);
     }
