@@ -182,7 +182,8 @@ void vof_fluxes(const CellField& grains, std::span<const CellField> tracers, con
           const double carried = through * (area_leaving(block, shift) / std::abs(shift));
           const double least = std::max(0.0, through - size(i) * others),
                        most = std::min(through, size(i) * here);
-          G[i] = std::copysign(std::clamp(carried, least, most), u[i]);
+          // Not std::clamp: by rounding, and beyond the limit of the step, least may exceed most; most then holds.
+          G[i] = std::copysign(std::min(std::max(carried, least), most), u[i]);
         }
         for (int i = first; i < last; ++i) {
           room[i - first] -= share[i - first];

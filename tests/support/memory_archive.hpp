@@ -48,7 +48,7 @@ class MemoryArchive : public Archive {
         continue;
       const auto at = other.values.find(name);
       if (at == other.values.end() || at->second.size() != mine.size() ||
-          std::memcmp(at->second.data(), mine.data(), mine.size() * sizeof(double)) != 0)
+          (!mine.empty() && std::memcmp(at->second.data(), mine.data(), mine.size() * sizeof(double)) != 0))
         names.push_back(name);
     }
     for (const auto& [name, mine] : words)
