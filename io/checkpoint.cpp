@@ -9,12 +9,12 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "io/child.hpp"
 #include "io/files.hpp"
 #include "io/hdf5.hpp"
 #include "io/provenance.hpp"
 #include "io/run_folder.hpp"
 #include "io/scene_yaml.hpp"
-#include "io/survives.hpp"
 #include "io/yaml_tree.hpp"
 
 namespace hourglass {

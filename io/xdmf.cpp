@@ -3,24 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
+#include "io/fields_file.hpp"
 #include "io/files.hpp"
 #include "io/hdf5.hpp"
 #include "io/html.hpp"
-#include "io/survives.hpp"
 
 namespace hourglass {
 namespace {
-
-constexpr const char* format_name = "hourglass fields 1";
-
-/// The enumerator that goes by this name; the first for an unknown one.
-template <class Enum, std::size_t n>
-Enum named(const std::string& name, const std::array<const char*, n>& names) {
-  return static_cast<Enum>(
-      static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin()) % n);
-}
 
 /// HDF5 writes a new length into the file before the file has it, and opens none that is shorter than it says: a kill in
 /// between would cost all frames. Longer is no matter; the next flush cuts off what is too much.
@@ -29,9 +19,6 @@ void make_longer(const std::filesystem::path& path, std::size_t bytes) {
   std::filesystem::resize_file(path, std::filesystem::file_size(path) + bytes, error);
   if (error) throw std::runtime_error(error.message());
 }
-
-/// Of a frame or an outline.
-std::string member_name(int number) { return fmt::format("{:06}", number); }
 
 /// A name in an attribute, where XML has no control characters.
 std::string xml(const std::string& text) {
@@ -87,21 +74,6 @@ void write_outlines(hid_t file, const std::vector<Polygon>& outlines) {
   }
 }
 
-std::vector<Polygon> read_outlines(hid_t file) {
-  std::vector<Polygon> outlines;
-  if (H5Lexists(file, "solids", H5P_DEFAULT) <= 0) return outlines;
-  const h5::Id group = h5::group(file, "solids");
-  for (hsize_t k = 0; k < h5::member_count(group); ++k) {
-    const std::string name = member_name(static_cast<int>(k));
-    const h5::Id set(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, name);
-    const h5::Id shape(H5Dget_space(set), H5Sclose, name);
-    Polygon outline(h5::checked(H5Sget_simple_extent_npoints(shape), name) / 2);
-    h5::checked(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, outline.data()), name);
-    outlines.push_back(std::move(outline));
-  }
-  return outlines;
-}
-
 // The plane is written as a slab one cell thick: ParaView's three XDMF readers agree on it, while all of them
 // lay a 2DCoRectMesh into the y-z plane, across its own velocities.
 std::string xdmf_attribute(const std::string& frame, const std::string& name, const Patch& p,
@@ -141,7 +113,7 @@ FieldWriter::FieldWriter(const std::filesystem::path& folder, const RunInfo& inf
   const Patch& p = info.patch;
   h5::Id file = h5::create(h5_);
   try {
-    h5::write_attribute(file, "format", std::string(format_name));
+    h5::write_attribute(file, "format", std::string(fields_format));
     h5::write_attribute(file, "name", info.name);
     h5::write_attribute(file, "units", std::string(units_names[static_cast<int>(info.units)]));
     h5::write_attribute(file, "cells", {double(p.nx), double(p.ny)}, {2});
@@ -247,118 +219,6 @@ void FieldWriter::write_xdmf() const {
                                "  </Domain>\n"
                                "</Xdmf>\n",
                                xml(info_.name), grids_));
-}
-
-FieldReader::FieldReader(const std::filesystem::path& run) : h5_(run / "fields.h5") {
-  // Damaged files make the HDF5 library itself crash or go round in circles: a child tries first.
-  const auto all = [this] {
-    read_info();
-    for (std::size_t k = 0; k < times_.size(); ++k) names(static_cast<int>(k));
-    info_ = {}, times_ = {};
-  };
-  if (!survives(all))
-    throw std::runtime_error(fmt::format(
-        "{}: is damaged: the HDF5 library does not survive reading it. Run the scene again.", h5_.string()));
-  read_info();
-}
-
-void FieldReader::read_info() {
-  try {
-    const h5::Id file = h5::open(h5_, H5F_ACC_RDONLY);
-    if (!h5::has_attribute(file, "format") || h5::read_string(file, "format") != format_name) {
-      throw std::runtime_error("not a file of fields by this version of hourglass");
-    }
-    info_.name = h5::read_string(file, "name");
-    info_.units = named<Units>(h5::read_string(file, "units"), units_names);
-    const auto cells = h5::read_numbers(file, "cells"), origin = h5::read_numbers(file, "origin");
-    info_.patch = {int(cells.at(0)), int(cells.at(1)), h5::read_number(file, "spacing"), origin.at(0),
-                   origin.at(1)};
-    const auto walls = h5::read_strings(file, "walls");
-    for (int s = 0; s < 4; ++s) info_.walls[s] = named<Wall>(walls.at(s), wall_names);
-    if (h5::has_attribute(file, "orifices")) {
-      const auto o = h5::read_numbers(file, "orifices");
-      for (std::size_t k = 0; k + 2 < o.size(); k += 3) {
-        info_.orifices.push_back({static_cast<Side>(int(o[k])), o[k + 1], o[k + 2]});
-      }
-    }
-    info_.materials = h5::read_strings(file, "materials");
-    if (h5::has_attribute(file, "symmetry")) {  // files of earlier versions have none of these
-      info_.symmetry = named<Symmetry>(h5::read_string(file, "symmetry"), symmetry_names);
-      info_.coordinates = named<Coordinates>(h5::read_string(file, "coordinates"), coordinates_names);
-      info_.slow_speed = h5::read_number(file, "slow_speed");
-    }
-    info_.steady = h5::has_attribute(file, "steady");
-    info_.solids = read_outlines(file);
-    const h5::Id frames = h5::group(file, "frames");
-    for (hsize_t k = 0; k < h5::member_count(frames); ++k) {
-      times_.push_back(h5::read_number(h5::group(frames, member_name(static_cast<int>(k))), "time"));
-    }
-  } catch (const std::runtime_error& error) {
-    const std::string what = error.what();
-    throw std::runtime_error(what.rfind(h5_.string(), 0) == 0 ? what
-                                                              : fmt::format("{}: {}", h5_.string(), what));
-  }
-}
-
-std::vector<std::string> FieldReader::names(int frame) const {
-  const h5::Id file = h5::open(h5_, H5F_ACC_RDONLY);
-  const h5::Id group = h5::group(file, "frames/" + member_name(frame));
-  std::vector<std::string> names = h5::member_names(group);
-  std::erase(names, "velocity");
-  return names;
-}
-
-Frame FieldReader::read(int frame, const std::vector<std::string>& fields) const {
-  const h5::Id file = h5::open(h5_, H5F_ACC_RDONLY);
-  const h5::Id group = h5::group(file, "frames/" + member_name(frame));
-  const Patch& patch = info_.patch;
-  std::vector<double> values(patch.cells() * 3);
-  const auto read = [&](const std::string& name, std::size_t components) {
-    const h5::Id set(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, name);
-    const h5::Id shape(H5Dget_space(set), H5Sclose, name);
-    if (H5Sget_simple_extent_npoints(shape) != static_cast<hssize_t>(patch.cells() * components)) {
-      throw std::runtime_error(fmt::format("{}: {}: wrong extents", h5_.string(), name));
-    }
-    h5::checked(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), name);
-  };
-  const auto component = [&](int c, int components) {
-    CellField field(patch);
-    const double* in = values.data() + c;
-    for (int j = 0; j < patch.ny; ++j) {
-      for (int i = 0; i < patch.nx; ++i, in += components) field(i, j) = *in;
-    }
-    return field;
-  };
-
-  Frame out;
-  out.t = times_.at(frame);
-  for (const std::string& name : fields) {
-    if (H5Lexists(group, name.c_str(), H5P_DEFAULT) <= 0 || name == "velocity") {
-      throw std::invalid_argument(fmt::format("{}: field '{}' is not stored; stored are: {}", h5_.string(),
-                                              name, fmt::join(names(frame), ", ")));
-    }
-    read(name, 1);
-    out.fields.emplace_back(name, component(0, 1));
-  }
-  read("velocity", 3);
-  out.velocity_x = component(0, 3);
-  out.velocity_y = component(1, 3);
-  return out;
-}
-
-std::vector<int> frames_at(const std::vector<double>& all, const std::vector<double>& wanted) {
-  std::vector<int> frames;
-  for (int k = 0; k < static_cast<int>(all.size()) && wanted.empty(); ++k) frames.push_back(k);
-  const double slack = 1e-6 * (all.back() - all.front());
-  for (const double t : wanted) {
-    if (!(t >= all.front() - slack && t <= all.back() + slack)) {
-      throw std::invalid_argument(fmt::format("time {} is outside the run, whose frames go from {} to {}", t,
-                                              all.front(), all.back()));
-    }
-    const auto nearer = [t](double a, double b) { return std::abs(a - t) < std::abs(b - t); };
-    frames.push_back(static_cast<int>(std::min_element(all.begin(), all.end(), nearer) - all.begin()));
-  }
-  return frames;
 }
 
 }  // namespace hourglass

@@ -45,6 +45,8 @@ class FieldWriter {
   std::string grids_;  ///< the <Grid> of every frame
 };
 
+/// Damaged files make the HDF5 library crash, go round in circles, or write where it should not: all reading is done by a
+/// child process, which sends what it has read. So nothing that is in a file harms the reader's own process.
 class FieldReader {
  public:
   /// `run`: a run folder. Throws std::runtime_error if it holds no fields.h5 or one of another kind.
@@ -53,16 +55,15 @@ class FieldReader {
   const RunInfo& info() const { return info_; }
   const std::vector<double>& times() const { return times_; }  ///< by frame, rising
   /// Names of the scalar fields of a frame.
-  std::vector<std::string> names(int frame) const;
+  const std::vector<std::string>& names(int frame) const { return names_.at(frame); }
   /// The named fields and the velocity. Throws std::invalid_argument for a field that is not stored.
   Frame read(int frame, const std::vector<std::string>& fields) const;
 
  private:
-  void read_info();
-
   std::filesystem::path h5_;
   RunInfo info_;
   std::vector<double> times_;
+  std::vector<std::vector<std::string>> names_;  ///< by frame
 };
 
 /// The frame nearest to each of the wanted times; all frames if none is wanted. Throws std::invalid_argument for a time
