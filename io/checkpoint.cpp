@@ -108,14 +108,7 @@ class Restoring final : public Hdf5Archive {
         attempt([&] { h5::read_strings(group, name); });
         attempt([&] { h5::read_numbers(group, name); });
       }
-    std::vector<double> values;
-    for (const std::string& name : h5::member_names(group_))
-      attempt([&] {
-        const h5::Id set(H5Dopen2(group_, name.c_str(), H5P_DEFAULT), H5Dclose, name);
-        const h5::Id shape(H5Dget_space(set), H5Sclose, name);
-        values.resize(static_cast<std::size_t>(h5::checked(H5Sget_simple_extent_npoints(shape), name)));
-        h5::checked(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), name);
-      });
+    for (const std::string& name : h5::member_names(group_)) attempt([&] { h5::read_dataset(group_, name); });
   }
   bool restoring() const override { return true; }
   void number(const std::string& name, double& value) override {

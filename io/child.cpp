@@ -16,7 +16,7 @@
 namespace hourglass {
 namespace {
 
-// What the child sends first.
+// What the child sends last; what breaks off has neither.
 constexpr char made = 'm', threw = 't';
 
 void send(int pipe, const std::string& bytes) {
@@ -38,9 +38,9 @@ void send(int pipe, const std::string& bytes) {
   if (const int nowhere = ::open("/dev/null", O_WRONLY); nowhere >= 0) ::dup2(nowhere, STDERR_FILENO);
   std::string answer;
   try {
-    answer = made + work();
+    answer = work() + made;
   } catch (const std::exception& error) {
-    answer = threw + std::string(error.what());
+    answer = std::string(error.what()) + threw;
   }
   send(pipe[1], answer);
   ::_exit(0);
@@ -64,15 +64,17 @@ std::optional<std::string> from_child(const std::function<std::string()>& work, 
   const pid_t child = ::fork();
   if (child == 0) be_child(work, seconds, pipe);
   ::close(pipe[1]);
-  const std::string answer = child > 0 ? all_of(pipe[0]) : "";
+  std::string answer = child > 0 ? all_of(pipe[0]) : "";
   ::close(pipe[0]);
   if (child < 0) return work();
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || answer.empty()) return std::nullopt;
-  if (answer[0] == threw) throw std::runtime_error(answer.substr(1));
-  return answer.substr(1);
+  const char mark = answer.back();
+  answer.pop_back();
+  if (mark == threw) throw std::runtime_error(answer);
+  return answer;
 }
 
 bool survives(const std::function<void()>& work) {

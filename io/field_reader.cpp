@@ -27,8 +27,6 @@ struct Contents {
   std::map<std::string, std::vector<double>> numbers;
   std::map<std::string, std::vector<std::string>> texts;
 
-  bool has(const std::string& name) const { return numbers.contains(name); }
-  const std::vector<double>& numbers_of(const std::string& name) const { return numbers.at(name); }
   double number(const std::string& name) const { return numbers.at(name).at(0); }
   const std::string& text(const std::string& name) const { return texts.at(name).at(0); }
 };
@@ -137,17 +135,6 @@ int cell_count(double number) {
   return static_cast<int>(number);
 }
 
-/// A dataset of numbers, which must be so many if `wanted` is not 0.
-std::vector<double> read_set(hid_t group, const std::string& name, std::size_t wanted = 0) {
-  const h5::Id set(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, name);
-  const h5::Id shape(H5Dget_space(set), H5Sclose, name);
-  const auto size = static_cast<std::size_t>(h5::checked(H5Sget_simple_extent_npoints(shape), name));
-  if (wanted != 0 && size != wanted) throw std::runtime_error(name + ": wrong extents");
-  std::vector<double> values(size);
-  h5::checked(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), name);
-  return values;
-}
-
 /// All but the cells.
 Contents about_run(const std::filesystem::path& path) {
   Contents all;
@@ -164,7 +151,7 @@ Contents about_run(const std::filesystem::path& path) {
   if (H5Lexists(file, "solids", H5P_DEFAULT) > 0) {
     const h5::Id group = h5::group(file, "solids");
     for (int k = 0; static_cast<hsize_t>(k) < h5::member_count(group); ++k)
-      all.numbers[outline_name(k)] = read_set(group, member_name(k));
+      all.numbers[outline_name(k)] = h5::read_dataset(group, member_name(k));
   }
   const h5::Id frames = h5::group(file, "frames");
   std::vector<double>& times = all.numbers["times"];
@@ -182,8 +169,8 @@ Contents cells_of_frame(const std::filesystem::path& path, const std::string& fr
                         const std::vector<std::string>& fields, std::size_t cells) {
   Contents all;
   const h5::Id file = h5::open(path, H5F_ACC_RDONLY), group = h5::group(file, "frames/" + frame);
-  for (const std::string& name : fields) all.numbers[name] = read_set(group, name, cells);
-  all.numbers["velocity"] = read_set(group, "velocity", 3 * cells);
+  for (const std::string& name : fields) all.numbers[name] = h5::read_dataset(group, name, cells);
+  all.numbers["velocity"] = h5::read_dataset(group, "velocity", 3 * cells);
   return all;
 }
 
@@ -195,14 +182,14 @@ FieldReader::FieldReader(const std::filesystem::path& run) : h5_(run / "fields.h
   try {
     info_.name = file.text("name");
     info_.units = named<Units>(file.text("units"), units_names);
-    const auto &cells = file.numbers_of("cells"), &origin = file.numbers_of("origin");
+    const auto &cells = file.numbers.at("cells"), &origin = file.numbers.at("origin");
     info_.patch = {cell_count(cells.at(0)), cell_count(cells.at(1)), file.number("spacing"), origin.at(0),
                    origin.at(1)};
     if (!(info_.patch.h > 0 && std::isfinite(info_.patch.h)))
       throw std::runtime_error(fmt::format("cells of {}: not a grid", info_.patch.h));
     for (int s = 0; s < 4; ++s) info_.walls[s] = named<Wall>(file.texts.at("walls").at(s), wall_names);
-    if (file.has("orifices")) {
-      const auto& o = file.numbers_of("orifices");
+    if (file.numbers.contains("orifices")) {
+      const auto& o = file.numbers.at("orifices");
       for (std::size_t k = 0; k + 2 < o.size(); k += 3) {
         if (!(o[k] >= 0 && o[k] < 4)) throw std::runtime_error(fmt::format("orifice in wall {}", o[k]));
         info_.orifices.push_back({static_cast<Side>(int(o[k])), o[k + 1], o[k + 2]});
@@ -214,13 +201,13 @@ FieldReader::FieldReader(const std::filesystem::path& run) : h5_(run / "fields.h
       info_.coordinates = named<Coordinates>(file.text("coordinates"), coordinates_names);
       info_.slow_speed = file.number("slow_speed");
     }
-    info_.steady = file.has("steady");
-    for (int k = 0; file.has(outline_name(k)); ++k) {
-      const auto& corners = file.numbers_of(outline_name(k));
+    info_.steady = file.numbers.contains("steady");
+    for (int k = 0; file.numbers.contains(outline_name(k)); ++k) {
+      const auto& corners = file.numbers.at(outline_name(k));
       Polygon& outline = info_.solids.emplace_back();
       for (std::size_t c = 0; c + 1 < corners.size(); c += 2) outline.push_back({corners[c], corners[c + 1]});
     }
-    times_ = file.numbers_of("times");
+    times_ = file.numbers.at("times");
     for (std::size_t k = 0; k < times_.size(); ++k)
       names_.push_back(file.texts.at(member_name(static_cast<int>(k))));
   } catch (const std::exception& error) {
@@ -240,7 +227,7 @@ Frame FieldReader::read(int frame, const std::vector<std::string>& fields) const
       h5_, [&] { return cells_of_frame(h5_, member_name(frame), fields, cells); }, seconds);
   const auto component = [&](const std::string& name, int c, int components) {
     CellField field(patch);
-    const std::vector<double>& values = file.numbers_of(name);
+    const std::vector<double>& values = file.numbers.at(name);
     const double* in = values.data() + c;
     if (values.size() != cells * static_cast<std::size_t>(components))
       throw std::runtime_error(fmt::format("{}: {}: wrong extents", h5_.string(), name));

@@ -4,6 +4,7 @@
 #include <hdf5.h>
 
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -183,6 +184,18 @@ inline std::vector<double> read_numbers(hid_t object, const std::string& name) {
   return values;
 }
 inline double read_number(hid_t object, const std::string& name) { return read_numbers(object, name).at(0); }
+
+/// All numbers of a dataset, in storage order. `wanted`: how many there must be, if that is known; nothing is read else.
+inline std::vector<double> read_dataset(hid_t group, const std::string& name,
+                                        std::optional<std::size_t> wanted = {}) {
+  const Id set(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, name);
+  const Id shape(H5Dget_space(set), H5Sclose, name);
+  const auto size = static_cast<std::size_t>(checked(H5Sget_simple_extent_npoints(shape), name));
+  if (wanted && size != *wanted) throw std::runtime_error(name + ": wrong extents");
+  std::vector<double> values(size);
+  if (size > 0) checked(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), name);
+  return values;
+}
 
 inline std::vector<std::string> read_strings(hid_t object, const std::string& name) {
   const std::string where = "attribute " + name;
